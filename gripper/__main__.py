@@ -1,0 +1,5 @@
+"""``python -m gripper``: the command line."""
+
+from gripper.cli import main
+
+main()

@@ -1,0 +1,268 @@
+"""One pose: SLSQP finds the active set, the exact KKT system finishes, and the answer verifies itself."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from gripper.assemble import Candidate, Problem, near
+from gripper.certificate import DEPTH, Survey, survey
+from gripper.contact import PRESSURES, Site
+from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, settle
+from gripper.obstacle import Obstacle
+from gripper.outline import LOWER, UPPER
+
+Array = NDArray[np.float64]
+_ROUNDS = 6
+_ACTIVE = 1e-6  # of the largest multiplier
+_PATCH = 1e-4  # of L: narrower patches are points (the mean tangent's error falls with the square of the width)
+_WIDEST = 0.3  # of L: first guess of a patch
+_PULL = 1e-9  # relative: multipliers this negative are round-off
+REACH = 0.05
+"""Stretches of outline this near to the object (by L) are candidates from the start; the survey adds others."""
+
+
+@dataclass(frozen=True, eq=False)
+class Verified:
+    """An equilibrium and the survey that found it clear."""
+
+    equilibrium: Equilibrium
+    survey: Survey
+
+
+def fit_patches(setting: Setting, equilibrium: Equilibrium) -> tuple[Site, ...]:
+    """The contacts with patches where shear makes them wide enough, points where it does not.
+
+    A point force N leaves gamma with a jump N / GA, over which the object's outline bends the finger's: it touches
+    over about N / (GA g''), g'' being the curvature of the gap.
+    """
+    if setting.theory == "bending":
+        return equilibrium.state.sites
+    sites, lin, column = [], equilibrium.linear, 0
+    for i, site in enumerate(equilibrium.state.sites):
+        if site.kind == "tangent" and site.on_face:
+            force = float(np.hypot(*lin.forces[i].sum(axis=0)))
+            rigidity = float(setting.sections.GA(np.array(site.place))[0])
+            width = min(force / (rigidity * max(lin.residual_slopes[column, column], 1e-12)), _WIDEST)
+            if width > _PATCH:
+                start, stop = site.place[0] - width / 2, site.place[0] + width / 2
+                site = replace(site, kind="patch", place=(max(start, 1e-6), stop))
+        elif site.kind == "patch" and site.place[1] - site.place[0] < _PATCH / 2:
+            site = replace(site, kind="tangent", place=(site.middle,))
+        column += equilibrium.state.sites[i].unknown_places
+        sites.append(site)
+    return tuple(sites)
+
+
+def with_sites(state: State, sites: tuple[Site, ...]) -> State:
+    """The state with contacts of other kinds at the same places: multipliers carried over."""
+    multipliers: list[float] = []
+    first = 0
+    for old, new in zip(state.sites, sites, strict=True):
+        mine = state.multipliers[first : first + old.multipliers]
+        first += old.multipliers
+        multipliers += [float(mine[0])] + [0.0] * (new.multipliers - 1) if new.kind != old.kind else mine.tolist()
+    return replace(state, sites=sites, multipliers=np.array(multipliers))
+
+
+def settle_contacts(setting: Setting, obstacle: Obstacle, state: State, order: int) -> Equilibrium:
+    """Settle, and again where a point must become a patch or a patch a point.
+
+    Raises
+    ------
+    NoEquilibriumError
+        Where Newton does not converge.
+    """
+    found = settle(setting, obstacle, state, order)
+    sites = fit_patches(setting, found)
+    if [s.kind for s in sites] == [s.kind for s in found.state.sites]:
+        return found
+    again = settle(setting, obstacle, with_sites(found.state, sites), order)
+    return replace(again, iterations=found.iterations + again.iterations)
+
+
+def objection(setting: Setting, equilibrium: Equilibrium) -> str | None:
+    """Why an equilibrium of these contacts is none of the real ones, or None: pull, or a contact off its piece."""
+    state, first = equilibrium.state, 0
+    loads = [state.multipliers[0:0]]
+    for site in state.sites:
+        loads.append(state.multipliers[first : first + site.multipliers])
+        first += site.multipliers
+    largest = float(np.max(np.abs(state.multipliers), initial=0.0))
+    for site, load in zip(state.sites, loads[1:], strict=True):
+        least = load[0] - np.abs(load[1:]).sum() if site.multipliers == PRESSURES else load[0]
+        if least < -_PULL * largest:
+            return "a contact would have to pull"
+        if site.place and not 0 <= site.place[0] <= site.place[-1] <= setting.outline.pieces[site.piece].length:
+            return "a contact has left its face or edge"
+    return None
+
+
+def verify(setting: Setting, equilibrium: Equilibrium) -> Verified:
+    """The equilibrium with its survey.
+
+    Raises
+    ------
+    NoEquilibriumError
+        Where a contact pulls, lies off its piece, something penetrates elsewhere, or the equilibrium is unstable.
+    """
+    reason = objection(setting, equilibrium)
+    if reason:
+        raise NoEquilibriumError(reason)
+    found = survey(setting, equilibrium.obstacle, equilibrium.state)
+    if not found.clear:
+        raise NoEquilibriumError("the object penetrates the finger elsewhere")
+    if stability(equilibrium) <= 0:
+        raise NoEquilibriumError("the equilibrium is unstable")
+    return Verified(equilibrium, found)
+
+
+def stability(equilibrium: Equilibrium) -> float:
+    """Smallest eigenvalue of the Hessian reduced to the motions that the contacts leave free (V's own: 1)."""
+    lin = equilibrium.linear
+    if not len(lin.values):
+        return 1.0
+    # places follow the motion: eliminate them where they are well determined (points); a patch's pressures hold it
+    hessian = np.eye(lin.gradients.shape[1]) - lin.hessian
+    column = 0
+    for site in equilibrium.state.sites:
+        if site.kind in ("tangent", "vertex"):
+            load = lin.load_slopes[:, column]
+            hessian += np.outer(load, lin.residual_gradients[column]) / lin.residual_slopes[column, column]
+        column += site.unknown_places
+    q = np.linalg.qr(lin.gradients.T, mode="complete")[0][:, len(lin.values) :]
+    reduced = q.T @ hessian @ q
+    return float(np.linalg.eigvalsh((reduced + reduced.T) / 2)[0])
+
+
+def find(setting: Setting, obstacle: Obstacle, start: State, order: int) -> Verified:
+    """Equilibrium from a start whose contacts are not known: SLSQP for the active set, Newton to round-off.
+
+    Raises
+    ------
+    NoEquilibriumError
+        Where none is found that verifies.
+    """
+    state = State(start.beam, start.z)
+    found = survey(setting, obstacle, state)
+    candidates = near(setting, obstacle, state, found, REACH)
+    reason, iterations = "no candidate for a contact", 0
+    for _ in range(_ROUNDS):
+        problem = Problem(setting, obstacle, state, candidates)
+        answer = minimize(**problem.scipy(1e-9))
+        iterations += int(answer.nit)
+        relaxed = problem.state(answer.x)
+        for sites, multipliers in _active_sets(setting, problem, answer.x, np.atleast_1d(answer.multipliers)):
+            try:
+                settled = settle_contacts(setting, obstacle, State(relaxed.beam, relaxed.z, sites, multipliers), order)
+                verified = verify(setting, settled)
+            except NoEquilibriumError as error:
+                reason = str(error)
+                continue
+            total = replace(verified.equilibrium, iterations=iterations + settled.iterations)
+            return replace(verified, equilibrium=total)
+        more = _violated(setting, survey(setting, obstacle, relaxed), candidates)
+        if not more:
+            raise NoEquilibriumError(reason)
+        candidates += more
+    raise NoEquilibriumError(reason)
+
+
+def _violated(setting: Setting, found: Survey, known: tuple[Candidate, ...]) -> tuple[Candidate, ...]:
+    """Short stretches about the deepest penetrations, where no such stretch is known yet."""
+    out: list[Candidate] = []
+    for piece, u in found.deepest:
+        length = setting.outline.pieces[piece].length
+        start, stop = max(u - 0.05, 0.0), min(u + 0.05, length)
+        mine = [c for c in (*known, *out) if c.kind == "stretch" and c.piece == piece]
+        if not any(c.start <= u <= c.stop and c.stop - c.start < 0.11 for c in mine):
+            out.append(Candidate("stretch", piece, start, stop))
+    return tuple(out)
+
+
+def _active_sets(
+    setting: Setting, problem: Problem, x: Array, multipliers: Array
+) -> list[tuple[tuple[Site, ...], Array]]:
+    """The sets of contacts that SLSQP's answer may mean, the likeliest first."""
+    gaps = problem.gaps(x) / setting.sections.length
+    load = multipliers * problem.scale**2 / problem.gap_scale
+    strong = load > _ACTIVE * max(float(np.max(load, initial=0.0)), 1e-300)
+    chosen: list[tuple[Site, float]] = []
+    for site, candidate, force, gap, active in zip(
+        problem.sites(x), problem.candidates, load, gaps, strong, strict=True
+    ):
+        if active and gap < 1e-3:
+            chosen.append((_resolved(setting, site, candidate), float(force)))
+    if not chosen:
+        return [((), np.empty(0))] if np.all(gaps > -DEPTH) else []
+    merged = _merged(chosen)
+    return _alternatives(setting, merged)
+
+
+def _resolved(setting: Setting, site: Site, candidate: Candidate) -> Site:
+    """A stretch whose least gap is at the end of its piece is the corner there."""
+    if site.kind != "tangent":
+        return site
+    length = setting.outline.pieces[site.piece].length
+    if 1e-9 * length < site.place[0] < (1 - 1e-9) * length:
+        return site
+    corner = _corner_at(setting, site.piece, site.place[0])
+    return site if corner is None else Site("corner", corner, ())
+
+
+def _corner_at(setting: Setting, piece: int, u: float) -> int | None:
+    """The corner of the outline at the end of a piece."""
+    one = np.array([piece]), np.array([u])
+    s, P, *_ = setting.outline.offsets(*one)
+    if s[0] < 1:
+        return None
+    for i, corner in enumerate(setting.outline.corners):
+        if np.allclose(corner.point, P[0], rtol=0, atol=1e-9):
+            return setting.outline.corner_piece(i)
+    return None
+
+
+def _merged(chosen: list[tuple[Site, float]]) -> list[tuple[Site, float]]:
+    """One contact for neighbours: both sides of a kink, or a corner found twice."""
+    out: list[tuple[Site, float]] = []
+    for site, force in sorted(chosen, key=lambda item: (item[0].kind, item[0].piece, item[0].vertex, item[0].middle if item[0].place else 0.0)):
+        last = out[-1][0] if out else None
+        same = last is not None and (last.kind, last.piece, last.vertex) == (site.kind, site.piece, site.vertex)
+        if same and last is not None and (not site.place or site.place[0] - last.place[0] < _TOGETHER):
+            total = out[-1][1] + force
+            if site.place:
+                middle = (last.place[0] * out[-1][1] + site.place[0] * force) / total
+                last = replace(last, place=(middle,))
+            out[-1] = (last, total)
+        else:
+            out.append((site, force))
+    return out
+
+
+_TOGETHER = 0.02  # of L: tangents nearer than this are one contact
+
+
+def _alternatives(setting: Setting, contacts: list[tuple[Site, float]]) -> list[tuple[tuple[Site, ...], Array]]:
+    """The set as found; near the tip also the corner alone, and a patch that ends in the corner."""
+    sets = [contacts]
+    for corner, face in ((0, LOWER), (1, UPPER)):
+        number = setting.outline.corner_piece(corner)
+        at_tip = [c for c in contacts if (c[0].kind == "tangent" and c[0].piece == face and c[0].place[0] > 0.9) or c[0].piece == number]
+        if not at_tip or corner >= len(setting.outline.corners) or setting.outline.corners[corner].on != "tip":
+            continue
+        rest = [c for c in contacts if c not in at_tip]
+        force = sum(f for _, f in at_tip)
+        sets.append([*rest, (Site("corner", number, ()), force)])
+        if setting.theory != "bending":
+            start = min((c[0].place[0] for c in at_tip if c[0].place), default=1.0)
+            start = min(start, 1 - 10 * _PATCH)
+            sets.append([*rest, (Site("tail", face, (start, 1.0)), force / 2), (Site("corner", number, ()), force / 2)])
+    out = []
+    for contacts_ in sets:
+        sites = tuple(site for site, _ in contacts_)
+        load = [[force] + [0.0] * (site.multipliers - 1) for site, force in contacts_]
+        out.append((sites, np.array([value for values in load for value in values])))
+    return out

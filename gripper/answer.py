@@ -1,0 +1,235 @@
+"""From a verified equilibrium to plain numbers: forces, checks, the error estimate, the shape. SI, world frame."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gripper.beam import Beam
+from gripper.contact import linearise
+from gripper.equilibrium import Equilibrium, Setting, kkt_step
+from gripper.kinematics import Placement
+from gripper.outline import LOWER, UPPER, Axis
+from gripper.result import Checks, Contact, ErrorEstimate, PoseResult, Shape
+from gripper.active import Verified, stability
+
+Array = NDArray[np.float64]
+NO_FORCE = 1e-9
+"""Total contact force, over EI / L^2, below which a pose is free (grazing is free)."""
+STATIONARY = 1e-8
+BALANCED = 1e-2
+_DRAWN = 81
+
+
+def cross(a: Array, b: Array) -> float:
+    """The z component of the sum of cross products of vectors (..., 2)."""
+    return float(np.sum(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]))
+
+
+def discretisation_error(setting: Setting, equilibrium: Equilibrium) -> float:
+    """Relative error of the force vector: one Newton step of the system enriched by two orders, contacts fixed."""
+    state = equilibrium.state
+    if not state.sites:
+        return 0.0
+    finer = Beam(setting.sections, state.beam.breaks, state.beam.order + 2, setting.theory)
+    enriched = dataclasses.replace(state, beam=finer, z=finer.embed(state.beam, state.z))
+    arguments = setting.outline, equilibrium.obstacle, state.sites
+    step = kkt_step(enriched, linearise(finer, enriched.z, *arguments, state.multipliers))
+    moved = enriched.moved(*step)
+    after = linearise(finer, moved.z, setting.outline, equilibrium.obstacle, moved.sites, moved.multipliers)
+    change = sum((f.sum(axis=0) for f in after.forces), np.zeros(2)) - equilibrium.force
+    return float(np.hypot(*change) / max(np.hypot(*equilibrium.force), NO_FORCE))
+
+
+def check(setting: Setting, verified: Verified) -> Checks:
+    """Stationarity, balance of forces and moments, stability, penetration (PHYSICS: what a right answer satisfies).
+
+    The balance compares moments that the strains carry, EI kappa at the clamp and before the first contact, with
+    the moments of the contact forces about the same sections (Lan & Lee eq 6, for any number of contacts).
+    """
+    equilibrium, survey = verified.equilibrium, verified.survey
+    state, lin = equilibrium.state, equilibrium.linear
+    bound = survey.penetration_bound * setting.sections.length
+    certificate = "proved" if survey.proved else "sampled"
+    if not state.sites:
+        return Checks(
+            stationarity=0.0,
+            force_balance=0.0,
+            moment_balance=0.0,
+            stability=1.0,
+            penetration_bound=bound,
+            certificate=certificate,
+        )
+    load = lin.gradients.T @ state.multipliers
+    total = max(sum(float(np.sum(np.hypot(*f.T))) for f in lin.forces), NO_FORCE)
+    points, forces = np.concatenate(lin.points), np.concatenate(lin.forces)
+    moments, arms = _moments(setting, equilibrium)
+    off_clamp = moments[0] - cross(points - arms[0], forces)
+    off_section = moments[1] - cross(points - arms[1], forces)
+    reach = max(float(np.hypot(*(arms[1] - arms[0]))), 1e-12)
+    return Checks(
+        stationarity=float(np.linalg.norm(state.z - load) / max(np.linalg.norm(load), NO_FORCE)),
+        force_balance=abs(off_clamp - off_section) / (total * reach),
+        moment_balance=abs(off_clamp) / total,
+        stability=stability(equilibrium),
+        penetration_bound=bound,
+        certificate=certificate,
+    )
+
+
+def _moments(setting: Setting, equilibrium: Equilibrium) -> tuple[Array, Array]:
+    """EI kappa (over EI(0) / L) at the clamp and at the end of the first segment, and where these sections are."""
+    state = equilibrium.state
+    s, first = np.array([0.0, state.beam.breaks[1]]), np.zeros(2, dtype=np.intp)
+    position, _, _, kappa = Axis.of(state.beam, state.z).values(s, first)
+    return setting.sections.EI(s) * kappa, position
+
+
+def shortcoming(checks: Checks) -> str | None:
+    """Which check fails, in words, or None."""
+    if (checks.stationarity or 0.0) > STATIONARY:
+        return f"not stationary: {checks.stationarity:.1e} of the contact force is unbalanced"
+    worst = max(checks.force_balance or 0.0, checks.moment_balance or 0.0)
+    if worst > BALANCED:
+        return f"forces and moments do not balance: {worst:.1e} of the contact force is missing"
+    return None
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """A pose's verified equilibrium with its error estimate."""
+
+    verified: Verified
+    error: float
+    seconds: float
+    iterations: int
+
+
+def pose_result(setting: Setting, answer: Answer, parameter: float | None, placement: Placement) -> PoseResult:
+    """The plain numbers of a pose; failed where a check is not met."""
+    checks = check(setting, answer.verified)
+    reason = shortcoming(checks)
+    if reason:
+        return PoseResult.failed(parameter, reason, answer.iterations, answer.seconds)
+    scales, equilibrium = setting.sections, answer.verified.equilibrium
+    state, lin = equilibrium.state, equilibrium.linear
+    force = -equilibrium.force * scales.force_scale
+    turn = placement.clamp_rotation
+    free = float(np.hypot(*equilibrium.force)) <= NO_FORCE and not _pinched(equilibrium)
+    frame = equilibrium.obstacle.frame
+    moment = -sum(cross(p - frame.origin, f) for p, f in zip(lin.points, lin.forces, strict=True))
+    position, psi, _, _ = Axis.of(state.beam, state.z).values(np.ones(1), np.array([state.beam.segments - 1]))
+    clamp = np.array(placement.clamp[:2])
+    return PoseResult(
+        parameter=parameter,
+        status="free" if free else "contact",
+        force_on_object=tuple(turn @ force),
+        force_on_object_finger_frame=tuple(force),
+        moment_on_object=moment * scales.energy_scale,
+        motion_force=None if parameter is None else -float(state.multipliers @ lin.value_rates) * scales.energy_scale,
+        clamp_moment=float(_moments(setting, equilibrium)[0][0]) * scales.energy_scale,
+        energy=state.energy * scales.energy_scale,
+        tip=tuple(clamp + turn @ position[0] * scales.length),
+        tip_rotation=float(psi[0]),
+        max_strain=_max_strain(setting, state.beam, state.z),
+        min_gap=answer.verified.survey.min_gap * scales.length,
+        contacts=() if free else contacts(setting, equilibrium, placement),
+        checks=checks,
+        error=ErrorEstimate(discretisation=answer.error),
+        iterations=answer.iterations,
+        seconds=answer.seconds,
+        shape=_shape(setting, equilibrium, placement),
+    )
+
+
+def _pinched(equilibrium: Equilibrium) -> bool:
+    """Whether opposed contact forces cancel: no resultant, and yet contact."""
+    return any(float(np.hypot(*f.sum(axis=0))) > NO_FORCE for f in equilibrium.linear.forces)
+
+
+def _max_strain(setting: Setting, beam: Beam, z: Array) -> float:
+    along = np.linspace(0.0, 1.0, 17)
+    s = (np.array(beam.breaks[:-1])[:, None] + beam.lengths[:, None] * along).ravel()
+    kappa = beam.strains(z, s, np.repeat(np.arange(beam.segments), along.size))[0]
+    return float(np.max(np.abs(kappa) * setting.sections.thickness(s) / 2))
+
+
+def contacts(setting: Setting, equilibrium: Equilibrium, placement: Placement) -> tuple[Contact, ...]:
+    """One entry a separate contact, ordered by s; a patch that ends in the tip's corner is one with it."""
+    lin, sites = equilibrium.linear, equilibrium.state.sites
+    tails = {site.piece for site in sites if site.kind == "tail"}
+    groups: dict[object, list[int]] = {}
+    for i, site in enumerate(sites):
+        at_tip = site.kind == "corner" and _tip_face(setting, site.piece) in tails
+        key = ("tail", _tip_face(setting, site.piece)) if at_tip else ("tail", site.piece) if site.kind == "tail" else i
+        groups.setdefault(key, []).append(i)
+    length, turn, clamp = setting.sections.length, placement.clamp_rotation, np.array(placement.clamp[:2])
+    out = []
+    for members in groups.values():
+        points = np.concatenate([lin.points[i] for i in members])
+        forces = np.concatenate([lin.forces[i] for i in members])
+        weights = np.hypot(*forces.T)
+        total = forces.sum(axis=0)
+        if np.hypot(*total) <= NO_FORCE:
+            continue
+        on, places = _places(setting, [sites[i] for i in members], [lin.stations[i] for i in members])
+        extent = [s for i in members for s in _extent(setting, sites[i])]
+        out.append(
+            Contact(
+                on=on,
+                s=float(places @ weights / weights.sum()) * length,
+                extent=(min(extent) * length, max(extent) * length),
+                point=tuple(clamp + turn @ (weights @ points / weights.sum()) * length),
+                normal=tuple(turn @ total / np.hypot(*total)),
+                normal_force=float(np.hypot(*total)) * setting.sections.force_scale,
+            )
+        )
+    return tuple(sorted(out, key=lambda contact: contact.s))
+
+
+def _tip_face(setting: Setting, number: int) -> int:
+    """The face that a corner of the tip belongs to, -1 for other pieces."""
+    corner = number - len(setting.outline.pieces)
+    if corner < 0 or setting.outline.corners[corner].on != "tip":
+        return -1
+    return LOWER if setting.outline.corners[corner].point[1] < 0 else UPPER
+
+
+def _places(setting: Setting, sites: list, stations: list[Array]) -> tuple[str, Array]:  # type: ignore[type-arg]
+    """Which part of the finger, and s (by L) of each of its contact points."""
+    places = [setting.outline.place(site.piece, u) for site, u in zip(sites, stations, strict=True)]
+    return places[0][0], np.concatenate([s for _, s in places])
+
+
+def _extent(setting: Setting, site) -> Array:  # type: ignore[no-untyped-def]
+    return setting.outline.place(site.piece, np.array(site.place or (0.0,)))[1]
+
+
+def _shape(setting: Setting, equilibrium: Equilibrium, placement: Placement) -> Shape:
+    state, length = equilibrium.state, setting.sections.length
+    beam = state.beam
+    s = np.union1d(np.linspace(0.0, 1.0, _DRAWN), beam.breaks)
+    position, psi, _, kappa = Axis.of(beam, state.z).values(s, beam.segment_of(s))
+    half = setting.sections.thickness(s) / 2
+    normal = np.column_stack([-np.sin(psi), np.cos(psi)])
+    turn, clamp = placement.clamp_rotation, np.array(placement.clamp[:2])
+
+    def world(points: Array) -> Array:
+        return clamp + points @ turn.T * length
+
+    jaw = setting.outline.jaw
+    if jaw is not None:
+        c, t = np.cos(psi[-1]), np.sin(psi[-1])
+        jaw = world(position[-1] + jaw @ np.array([[c, t], [-t, c]]))
+    return Shape(
+        axis=world(position),
+        lower=world(position - half[:, None] * normal),
+        upper=world(position + half[:, None] * normal),
+        strain=np.abs(kappa) * half,
+        jaw=jaw,
+        clamp_pose=placement.clamp,
+        object_pose=placement.object,
+    )

@@ -1,0 +1,373 @@
+"""Scene to NCO problem: minimise the strain energy subject to gaps >= 0, with only what the scene needs.
+
+The gaps are few: the minima of g along stretches of the outline that are near the object, found between nodes
+(their gradient is that of the minimum: envelope theorem), the gaps of the outline's corners, and the signed
+distances of the object's corners to the faces. Unknowns and gaps reach SciPy scaled, so that the energy is
+|x|^2 / 2 and its first, unit Hessian is exact.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gripper.certificate import Survey, survey
+from gripper.contact import Site, linearise
+from gripper.equilibrium import Setting, State
+from gripper.kinematics import Kinematics
+from gripper.obstacle import Obstacle
+from gripper.outline import LOWER, UPPER, Axis, Outline
+from gripper.pose import placed
+from gripper.result import LeftOut
+from gripper.scene import Scene
+from gripper.sections import sections
+
+Array = NDArray[np.float64]
+_SAMPLES = 9
+_REFINEMENTS = 3
+_GRAZING = 1e-9  # of L: the least deflection that unknowns are scaled to
+_ARCS = np.concatenate([[0.0], np.geomspace(0.02, 3.0, 24)])
+_ORDERS = ((1e-2, 2), (1e-3, 3), (1e-4, 4), (1e-6, 5), (1e-8, 7), (0.0, 9))
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A place where finger and object may touch: a stretch of a piece, a corner of the outline, or one of the object's."""
+
+    kind: Literal["stretch", "corner", "vertex"]
+    piece: int
+    start: float = 0.0
+    stop: float = 0.0
+    vertex: int = -1
+
+
+def setting(scene: Scene) -> Setting:
+    """What stays the same over all poses of a scene: compiled once a finger and once an object."""
+    finger = placed(scene.finger).body
+    profile = sections(finger)
+    theory: Literal["bending", "shear"] = "bending" if scene.theory == "bending" else "shear"
+    return Setting(profile, Outline(profile), theory, placed(scene.object).body, scene.tolerance)
+
+
+def first_order(tolerance: float) -> int:
+    """The order of the strain fields to start from; the error estimate decides whether it stays."""
+    return next(order for limit, order in _ORDERS if tolerance >= limit)
+
+
+def left_out(scene: Scene) -> tuple[LeftOut, ...]:
+    """What this scene does not need, and why."""
+    finger = placed(scene.finger).body
+    out = [LeftOut(what="friction", why="none is given")]
+    if scene.theory == "bending":
+        out.append(LeftOut(what="shear strain", why="theory is bending"))
+    out.append(LeftOut(what="stretch of the axis", why=f"theory is {scene.theory}"))
+    if finger.jaw is None:
+        out.append(LeftOut(what="jaw", why="the finger has none"))
+    return tuple(out)
+
+
+class Problem:
+    """Minimise the strain energy over x subject to gaps(x) >= 0, at one pose.
+
+    ``scipy.optimize.minimize(**problem.scipy())`` solves it. ``x`` are the strain fields' coefficients, scaled.
+
+    Parameters
+    ----------
+    setting, obstacle
+        Finger, theory and the object at its pose.
+    start
+        Where to start from; its beam is the discretisation.
+    candidates
+        Where they may touch.
+    """
+
+    def __init__(self, setting: Setting, obstacle: Obstacle, start: State, candidates: tuple[Candidate, ...]) -> None:
+        self.setting, self.obstacle, self.beam = setting, obstacle, start.beam
+        self.candidates = candidates
+        self.left_out: tuple[LeftOut, ...] = ()
+        self._grid()
+        self._last: tuple[bytes, tuple[Site, ...], Array, Array] | None = None
+        deepest = float(np.min(self._evaluate(start.z)[1], initial=0.0)) if candidates else 0.0
+        # |z| of a cantilever whose tip is deflected by d is sqrt(3) d: unknowns and gaps of the size they will have
+        self.scale = max(float(np.linalg.norm(start.z)), -np.sqrt(3.0) * deepest, _GRAZING)
+        self.gap_scale = self.scale / np.sqrt(3.0)
+        self.x0 = start.z / self.scale
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns."""
+        return self.beam.size
+
+    @property
+    def energy_unit(self) -> float:
+        """J per unit of |x|^2 / 2."""
+        return self.scale**2 * self.setting.sections.energy_scale
+
+    def energy(self, x: Array) -> float:
+        """Strain energy, in J (Lan & Lee eq 1)."""
+        return float(x @ x) / 2 * self.energy_unit
+
+    def energy_gradient(self, x: Array) -> Array:
+        """Gradient of the energy (n,), in J."""
+        return self.energy_unit * np.asarray(x)
+
+    def energy_hessian(self, x: Array) -> Array:
+        """Hessian of the energy (n, n), in J: a multiple of the identity."""
+        return self.energy_unit * np.eye(self.size)
+
+    def gaps(self, x: Array) -> Array:
+        """Gap at each candidate (m,), in m: at least 0 where nothing penetrates (Lan & Lee eq 3)."""
+        return self._evaluate(np.asarray(x) * self.scale)[1] * self.setting.sections.length
+
+    def gap_gradients(self, x: Array) -> Array:
+        """Gradients of the gaps (m, n), in m."""
+        return self._evaluate(np.asarray(x) * self.scale)[2] * (self.setting.sections.length * self.scale)
+
+    def gap_hessian(self, x: Array, weights: Array) -> Array:
+        """Hessian of weights . gaps (n, n), in m: the places of contact move with x."""
+        z = np.asarray(x) * self.scale
+        sites = self._evaluate(z)[0]
+        lin = linearise(self.beam, z, self.setting.outline, self.obstacle, sites, np.asarray(weights), kinks=False)
+        slope = np.diag(lin.residual_slopes).copy()
+        free = np.array([self._inside(site, c) for site, c in self._placed(sites) if site.place], dtype=bool)
+        moving = np.where(free & (np.abs(slope) > 1e-12), slope, np.inf)
+        hessian = lin.hessian - lin.load_slopes @ (lin.residual_gradients / moving[:, None])
+        return hessian * (self.setting.sections.length * self.scale**2)
+
+    def sites(self, x: Array) -> tuple[Site, ...]:
+        """The place of each candidate's gap."""
+        return self._evaluate(np.asarray(x) * self.scale)[0]
+
+    def state(self, x: Array) -> State:
+        """The deflected finger."""
+        return State(self.beam, np.asarray(x) * self.scale)
+
+    def forces(self, x: Array, multipliers: Array) -> Array:
+        """Force of the finger on the object at each candidate (m, 2), in N, clamp frame.
+
+        Parameters
+        ----------
+        x
+            Unknowns (n,).
+        multipliers
+            Of the scaled problem, as ``scipy.optimize.minimize`` returns them (m,).
+        """
+        sites = self.sites(x)
+        load = np.asarray(multipliers) * self.scale**2 / self.gap_scale
+        lin = linearise(self.beam, np.asarray(x) * self.scale, self.setting.outline, self.obstacle, sites, load, kinks=False)
+        return -np.array([f.sum(axis=0) for f in lin.forces]).reshape(-1, 2) * self.setting.sections.force_scale
+
+    def scipy(self, tolerance: float = 1e-10) -> dict[str, Any]:
+        """Arguments for ``scipy.optimize.minimize``: SLSQP on the scaled problem.
+
+        Parameters
+        ----------
+        tolerance
+            SLSQP's ``ftol``; absolute, which is sound because the energy is scaled.
+        """
+        constraint = {
+            "type": "ineq",
+            "fun": lambda x: self._evaluate(x * self.scale)[1] / self.gap_scale,
+            "jac": lambda x: self._evaluate(x * self.scale)[2] * (self.scale / self.gap_scale),
+        }
+        return {
+            "fun": lambda x: (float(x @ x) / 2, x),
+            "x0": self.x0,
+            "jac": True,
+            "method": "SLSQP",
+            "constraints": [constraint] if self.candidates else [],
+            "options": {"ftol": tolerance, "maxiter": 200},
+        }
+
+    def _grid(self) -> None:
+        """Samples along each stretch, and along the whole piece for each of the object's corners."""
+        u, piece, owner = [], [], []
+        for i, candidate in enumerate(self.candidates):
+            if candidate.kind != "corner":
+                u.append(np.linspace(candidate.start, candidate.stop, _SAMPLES))
+                piece.append(np.full(_SAMPLES, candidate.piece))
+                owner.append(i)
+        self._owners = np.array(owner, dtype=np.intp)
+        self._u = np.array(u).reshape(-1, _SAMPLES)
+        self._piece = np.array(piece, dtype=np.intp).reshape(-1, _SAMPLES)
+        self._segment = self._segments(self._piece, self._u)
+        self._vertex = np.array([self.candidates[i].kind == "vertex" for i in owner], dtype=bool)
+
+    def _segments(self, piece: NDArray[np.intp], u: Array) -> NDArray[np.intp]:
+        """The segment that each place lies in; the middle of its stretch decides at a break."""
+        middle = (u[:, :1] + u[:, -1:]) / 2 if u.ndim == 2 else u
+        inward = u + 1e-9 * np.sign(middle - u)
+        return np.where(piece <= UPPER, self.beam.segment_of(np.clip(inward, 0, 1)), self.beam.segments - 1)
+
+    def _evaluate(self, z: Array) -> tuple[tuple[Site, ...], Array, Array]:
+        """Sites, gaps and gradients, by L (kept for the call that asks for the other)."""
+        key = np.ascontiguousarray(z).tobytes()
+        if self._last is None or self._last[0] != key:
+            axis = Axis.of(self.beam, z)
+            sites = self._locate(axis)
+            lin = linearise(self.beam, z, self.setting.outline, self.obstacle, sites, np.zeros(len(sites)), kinks=False)
+            self._last = key, sites, self._signed(lin.values, sites), lin.gradients
+        return self._last[1:]
+
+    def _signed(self, values: Array, sites: tuple[Site, ...]) -> Array:
+        """A corner of the object that has passed the end of the piece is clear of it."""
+        past = [c.kind == "vertex" and not c.start < s.place[0] < c.stop for s, c in self._placed(sites)]
+        return np.where(past, np.abs(values) + 1.0, values)
+
+    def _placed(self, sites: tuple[Site, ...]) -> list[tuple[Site, Candidate]]:
+        return list(zip(sites, self.candidates, strict=True))
+
+    @staticmethod
+    def _inside(site: Site, candidate: Candidate) -> bool:
+        return candidate.start < site.place[0] < candidate.stop
+
+    def _slope(self, axis: Axis, u: Array, piece: NDArray[np.intp], segment: NDArray[np.intp], row: Array) -> tuple[Array, Array]:
+        """What is least at the place, and its slope along the piece: g, or the distance to the object's corner."""
+        points, tangents = self.setting.outline.trace(axis, piece, u, segment)
+        g, normal = self.obstacle.slope(points)
+        vertex = self._vertex[row]
+        if vertex.any():
+            corners = self.obstacle.corners[[self.candidates[i].vertex for i in self._owners[row[vertex]]]]
+            away = points[vertex] - corners
+            g[vertex], normal[vertex] = np.sum(away**2, axis=1) / 2, away
+        return g, np.sum(normal * tangents, axis=1)
+
+    def _locate(self, axis: Axis) -> tuple[Site, ...]:
+        """The least gap of each stretch: the least sample, then the root of the slope beside it, by secants."""
+        places = np.zeros(len(self._owners))
+        if len(places):
+            places = self._minima(axis)
+        sites: list[Site] = []
+        found = dict(zip(self._owners.tolist(), places.tolist(), strict=True))
+        for i, c in enumerate(self.candidates):
+            if c.kind == "corner":
+                sites.append(Site("corner", c.piece, ()))
+            else:
+                sites.append(Site("vertex" if c.kind == "vertex" else "tangent", c.piece, (found[i],), c.vertex))
+        return tuple(sites)
+
+    def _minima(self, axis: Axis) -> Array:
+        rows = np.arange(len(self._owners))
+        flat = (self._u.ravel(), self._piece.ravel(), self._segment.ravel(), np.repeat(rows, _SAMPLES))
+        g, slope = (v.reshape(-1, _SAMPLES) for v in self._slope(axis, flat[0], flat[1], flat[2], flat[3]))
+        least = np.argmin(g, axis=1)
+        # the minimum lies beside the least sample, towards where g falls
+        other = np.clip(np.where(slope[rows, least] > 0, least - 1, least + 1), 0, _SAMPLES - 1)
+        a, b = self._u[rows, least], self._u[rows, other]
+        fa, fb = slope[rows, least], slope[rows, other]
+        inner = (other != least) & (fa * fb < 0)
+        piece, segment = self._piece[:, 0], self._segment[rows, least]
+        for _ in range(_REFINEMENTS):
+            rise = np.where(inner, fb - fa, 1.0)
+            c = np.where(inner, a - fa * (b - a) / rise, a)
+            fc = np.where(inner, self._slope(axis, c, piece, segment, rows)[1], 0.0)
+            keep = fa * fc < 0  # the root lies between a and c
+            a, fa, b, fb = c, fc, np.where(keep, a, b), np.where(keep, fa, fb)
+            inner &= np.abs(fa) > 1e-14
+        return np.where(inner, a - fa * (b - a) / np.where(inner, fb - fa, 1.0), a)
+
+
+def near(setting: Setting, obstacle: Obstacle, state: State, found: Survey, reach: float) -> tuple[Candidate, ...]:
+    """Candidates within reach (by L) of the object: stretches segment by segment, corners on both sides."""
+    cornered = len(obstacle.corners) > 0
+    candidates = [] if cornered else _stretches(setting, state, found, reach)
+    axis = Axis.of(state.beam, state.z)
+    outline = setting.outline
+    numbers = np.array([outline.corner_piece(i) for i in range(len(outline.corners))], dtype=np.intp)
+    if len(numbers):
+        last = np.full(len(numbers), state.beam.segments - 1)
+        points, _ = outline.trace(axis, numbers, np.zeros(len(numbers)), last)
+        gaps = obstacle.gap(points)
+        candidates += [Candidate("corner", int(n)) for n, gap in zip(numbers, gaps, strict=True) if gap < reach]
+    return tuple(candidates) + (_vertices(setting, obstacle, axis, found, reach) if cornered else ())
+
+
+def _stretches(setting: Setting, state: State, found: Survey, reach: float) -> list[Candidate]:
+    pieces, least = found.pieces, found.gaps.min(axis=0)
+    out: dict[tuple[int, int], Candidate] = {}
+    for i in np.flatnonzero(least < reach):
+        piece, segment = int(pieces.piece[i]), int(pieces.segment[i])
+        if piece <= UPPER:
+            ends = state.beam.breaks[segment], state.beam.breaks[segment + 1]
+        else:
+            segment, ends = -1, (0.0, setting.outline.pieces[piece].length)
+        out[piece, segment] = Candidate("stretch", piece, *ends)
+    return list(out.values())
+
+
+def _vertices(setting: Setting, obstacle: Obstacle, axis: Axis, found: Survey, reach: float) -> tuple[Candidate, ...]:
+    """The object's corners, each against the piece whose outside it is nearest to."""
+    pieces = found.pieces
+    points, tangents = setting.outline.trace(axis, pieces.piece, pieces.u0, pieces.segment)
+    inward = np.column_stack([-tangents[:, 1], tangents[:, 0]]) * np.where(pieces.piece == UPPER, -1.0, 1.0)[:, None]
+    out: list[Candidate] = []
+    for number, vertex in enumerate(obstacle.corners):
+        away = points - vertex
+        distance = np.hypot(*away.T)
+        for piece in np.unique(pieces.piece[distance < reach]):
+            mine = np.flatnonzero(pieces.piece == piece)
+            nearest = mine[np.argmin(distance[mine])]
+            inside = -float(away[nearest] @ inward[nearest])
+            if inside < _half_thickness(setting, int(piece), float(pieces.u0[nearest])):
+                length = setting.outline.pieces[int(piece)].length
+                out.append(Candidate("vertex", int(piece), 0.0, length, number))
+    return tuple(out)
+
+
+def _half_thickness(setting: Setting, piece: int, u: float) -> float:
+    """How deep a corner may have sunk through a piece and still belong to it."""
+    if piece in (LOWER, UPPER):
+        return float(setting.sections.thickness(np.array([u]))[0]) / 2
+    return setting.outline.pieces[piece].length / 2
+
+
+def assemble(scene: Scene, parameter: float | None = None) -> Problem:
+    """The NCO problem of a scene at one pose, ready for SciPy.
+
+    It starts from the least circular arc that clears the object on the side that the object comes from.
+
+    Parameters
+    ----------
+    scene
+        What is given.
+    parameter
+        Value of the motion's parameter; its first value by default. None in a scene without motion.
+
+    Raises
+    ------
+    ValueError
+        A parameter in a scene without motion, or a pose that is not finite there.
+    """
+    if parameter is not None and scene.motion is None:
+        raise ValueError(f"parameter must be None in a scene without motion; got {parameter!r}")
+    fixed = setting(scene)
+    at = parameter if parameter is not None else (scene.motion.values[0] if scene.motion else 0.0)
+    obstacle = fixed.obstacle(Kinematics(scene, fixed.sections.length).frame(at))
+    order = first_order(scene.tolerance)
+    bend = 1.0 if scene.approach[1] >= 0 else -1.0
+    start, found = _clear_arc(fixed, obstacle, order, bend)
+    touching = found.pieces.piece <= UPPER
+    least = np.where(touching, found.gaps.min(axis=0), np.inf)
+    place = float((found.pieces.u0 + found.pieces.u1)[np.argmin(least)] / 2)
+    start = start.on(fixed.beam((Site("tangent", LOWER, (place,)),), order))
+    found = survey(fixed, obstacle, start)
+    problem = Problem(fixed, obstacle, start, near(fixed, obstacle, start, found, reach=0.1))
+    problem.left_out = left_out(scene)
+    return problem
+
+
+def _clear_arc(fixed: Setting, obstacle: Obstacle, order: int, bend: float) -> tuple[State, Survey]:
+    """The least arc that clears the object (the straight finger where none does)."""
+    beam = fixed.beam((), order)
+    straight = State(beam, np.zeros(beam.size))
+    for curvature in _ARCS:
+        strains = np.zeros((beam.fields, beam.gauss.size))
+        strains[0] = bend * curvature
+        state = replace(straight, z=beam.fit(strains))
+        found = survey(fixed, obstacle, state)
+        if found.min_gap >= 0 and not found.engulfed:
+            return state, found
+    return straight, survey(fixed, obstacle, straight)

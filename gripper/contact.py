@@ -1,0 +1,286 @@
+"""Where finger and object touch, and the equations that hold there.
+
+A contact's place is an unknown of its own and moves between nodes. Its kinds:
+
+``tangent``  a smooth stretch of the object on a face or an edge: g = 0 and dg/du = 0 at u;
+``corner``   a corner of the outline on the object: g = 0;
+``vertex``   a corner of the object on a face or an edge: signed distance 0 at the foot of the normal;
+``patch``    with shear, a smooth object is touched over [a, b], because gamma drops to zero behind a force: the
+             pressure is a polynomial, the gap's moments against it vanish, and so does the gap at both ends;
+``tail``     a patch that has run to the tip, where the tip's corner carries the rest: its far end is s = L.
+
+Where gamma jumps at a concentrated force, "the" tangent of the face is the mean of both sides: this is what makes
+the energy stationary in the place of the force (configurational balance).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gripper.beam import Beam
+from gripper.obstacle import Obstacle
+from gripper.outline import UPPER, Axis, Outline, Stations, rot90, second_derivative
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+Kind = Literal["tangent", "corner", "vertex", "patch", "tail"]
+PRESSURES = 2  # pressure modes of a patch: constant and linear
+_GAUSS_X, _GAUSS_W = np.polynomial.legendre.leggauss(6)
+_PRESSURE = np.stack([np.ones(6), _GAUSS_X])[:PRESSURES]  # (modes, 6)
+_MEAN = _PRESSURE * _GAUSS_W / 2
+_AT_BREAK = 0.02  # a force this near to a break is the break's own: its segments were cut there
+
+
+@dataclass(frozen=True)
+class Site:
+    """One contact: its kind, the piece of the outline, its place there, and the corner or vertex it belongs to."""
+
+    kind: Kind
+    piece: int
+    place: tuple[float, ...]
+    vertex: int = -1
+
+    @property
+    def multipliers(self) -> int:
+        """How many multipliers the contact has."""
+        return PRESSURES if self.kind in ("patch", "tail") else 1
+
+    @property
+    def unknown_places(self) -> int:
+        """How many coordinates of its place are unknown."""
+        return {"tangent": 1, "corner": 0, "vertex": 1, "patch": 2, "tail": 1}[self.kind]
+
+    @property
+    def on_face(self) -> bool:
+        """Whether it lies on a flexible face."""
+        return self.piece <= UPPER
+
+    @property
+    def middle(self) -> float:
+        """Its place, or the middle of its patch."""
+        return sum(self.place) / len(self.place)
+
+    def moved(self, places: Array) -> Site:
+        """The same contact at other values of its unknown places."""
+        place = (*map(float, places), 1.0) if self.kind == "tail" else tuple(map(float, places))
+        return self if self.kind == "corner" else replace(self, place=place)
+
+    def breaks(self) -> tuple[float, ...]:
+        """Where the strains have kinks because of it."""
+        return self.place if self.on_face else ()
+
+
+@dataclass(frozen=True, eq=False)
+class Linearisation:
+    """The contact equations at a state, with all first derivatives and the second ones that Newton needs.
+
+    m constraints, k unknown places, n unknowns of the beam.
+    """
+
+    values: Array  # C, (m,)
+    gradients: Array  # C_z, (m, n)
+    value_slopes: Array  # C_u, (m, k)
+    residuals: Array  # equations of the places R, (k,)
+    residual_gradients: Array  # R_z, (k, n)
+    residual_slopes: Array  # R_u, (k, k)
+    load_slopes: Array  # d(C_z^T lambda)/du, (n, k)
+    hessian: Array  # sum lambda C_zz at fixed places, (n, n)
+    value_rates: Array  # dC/dq, (m,)
+    residual_rates: Array  # dR/dq, (k,)
+    load_rates: Array  # d(C_z^T lambda)/dq, (n,)
+    points: tuple[Array, ...]  # per site, where it touches, (j, 2)
+    forces: tuple[Array, ...]  # per site, force on the finger at those points, (j, 2)
+    stations: tuple[Array, ...]  # per site, the place u of those points, (j,)
+
+
+def linearise(
+    beam: Beam,
+    z: Array,
+    outline: Outline,
+    obstacle: Obstacle,
+    sites: tuple[Site, ...],
+    multipliers: Array,
+    *,
+    kinks: bool = True,
+) -> Linearisation:
+    """Evaluate the contact equations of all sites in one pass over outline and object.
+
+    With ``kinks`` a contact at a break takes the mean of both sides; without, its own segment alone.
+    """
+    if not sites:
+        return _nothing(beam.size)
+    queries = [_places(site) for site in sites]
+    u = np.concatenate(queries)
+    piece = np.concatenate([np.full(len(q), site.piece) for site, q in zip(sites, queries, strict=True)])
+    axis = Axis.of(beam, z)
+    stations = _stations(axis, outline, piece, u, sites, queries, kinks)
+    system = _System(beam.size, sites, stations, obstacle)
+    first = row = column = 0
+    for site, places in zip(sites, queries, strict=True):
+        span = slice(first, first + len(places))
+        load = multipliers[row : row + site.multipliers]
+        if site.kind == "vertex":
+            system.add_vertex(site, first, row, column, load[0])
+        elif site.kind in ("patch", "tail"):
+            system.add_patch(site, span, row, column, load)
+        else:
+            system.add_point(site, first, row, column, load[0])
+        first, row, column = span.stop, row + site.multipliers, column + site.unknown_places
+    hessian = second_derivative(axis, stations, system.pull) + system.extra
+    stiff = system.stiffness @ stations.gradients
+    hessian += stations.gradients.reshape(-1, beam.size).T @ stiff.reshape(-1, beam.size)
+    return system.linearisation(hessian, queries)
+
+
+def _nothing(size: int) -> Linearisation:
+    """The linearisation of a finger that touches nothing."""
+    none, wide = np.zeros(0), np.zeros((0, size))
+    square = np.zeros((0, 0))
+    return Linearisation(
+        none, wide, square, none, wide, square, wide.T, np.zeros((size, size)), none, none, np.zeros(size), (), (), ()
+    )
+
+
+def _places(site: Site) -> Array:
+    """Where the outline is evaluated for a contact."""
+    if site.kind not in ("patch", "tail"):
+        return np.array(site.place or (0.0,))
+    a, b = site.place
+    gauss = (a + b) / 2 + (b - a) / 2 * _GAUSS_X
+    return np.append(gauss, site.place[: site.unknown_places])
+
+
+def _stations(
+    axis: Axis, outline: Outline, piece: Index, u: Array, sites: tuple[Site, ...], queries: list[Array], kinks: bool
+) -> Stations:
+    beam = axis.beam
+    left, right = [], []
+    for site, places in zip(sites, queries, strict=True):
+        before, after = _segments(beam, site, kinks)
+        left += [before] * len(places)
+        right += [after] * len(places)
+    stations = outline.stations(axis, piece, u, np.array(left))
+    if left == right:
+        return stations
+    other = outline.stations(axis, piece, u, np.array(right))
+    return Stations(*((getattr(stations, f) + getattr(other, f)) / 2 for f in Stations.__dataclass_fields__))
+
+
+def _segments(beam: Beam, site: Site, kinks: bool) -> tuple[int, int]:
+    """The segments whose polynomials describe the outline before and after a contact."""
+    if not site.on_face:
+        return beam.segments - 1, beam.segments - 1
+    middle = site.middle
+    own = int(np.clip(np.searchsorted(beam.breaks, middle, side="right") - 1, 0, beam.segments - 1))
+    if not kinks or site.kind in ("patch", "tail") or beam.segments == 1:
+        return own, own
+    inner = np.array(beam.breaks[1:-1])
+    nearest = int(np.argmin(np.abs(inner - middle)))
+    return (nearest, nearest + 1) if abs(inner[nearest] - middle) < _AT_BREAK else (own, own)
+
+
+class _System:
+    """The arrays of a linearisation while its contacts are written into them."""
+
+    def __init__(self, size: int, sites: tuple[Site, ...], stations: Stations, obstacle: Obstacle) -> None:
+        m, k, q = sum(s.multipliers for s in sites), sum(s.unknown_places for s in sites), len(stations.points)
+        self.sites, self.stations, self.obstacle = sites, stations, obstacle
+        self.gap, self.normal, self.curvature = obstacle.curvature(stations.points)
+        self.slope = np.sum(self.normal * stations.tangents, axis=1)  # dg/du
+        self.pressing = (self.normal[:, None, :] @ stations.gradients)[:, 0]  # g_z, (q, n)
+        bent = (stations.tangents[:, None, :] @ self.curvature)[:, 0]
+        self.sliding = (bent[:, None, :] @ stations.gradients)[:, 0]  # d(dg/du)/dz, (q, n)
+        self.sliding += (self.normal[:, None, :] @ stations.tangent_gradients)[:, 0]
+        self.bending = np.sum(bent * stations.tangents, axis=1) + np.sum(self.normal * stations.curvatures, axis=1)
+        passing = -obstacle.velocities(stations.points)
+        self.gap_rate = np.sum(self.normal * passing, axis=1)
+        self.normal_rate = (self.curvature @ passing[:, :, None])[:, :, 0] + obstacle.frame.spin * rot90(self.normal)
+        self.values, self.gradients, self.value_slopes = np.zeros(m), np.zeros((m, size)), np.zeros((m, k))
+        self.residuals, self.residual_gradients = np.zeros(k), np.zeros((k, size))
+        self.residual_slopes, self.load_slopes = np.zeros((k, k)), np.zeros((size, k))
+        self.value_rates, self.residual_rates, self.load_rates = np.zeros(m), np.zeros(k), np.zeros(size)
+        self.pull, self.stiffness, self.extra = np.zeros((q, 2)), np.zeros((q, 2, 2)), np.zeros((size, size))
+
+    def _load(self, i: int, force: float) -> None:
+        """A force along grad g at query i enters the Hessian and the loads' rate."""
+        self.pull[i] = force * self.normal[i]
+        self.stiffness[i] = force * self.curvature[i]
+        self.load_rates += force * (self.normal_rate[i] @ self.stations.gradients[i])
+
+    def add_point(self, site: Site, i: int, row: int, column: int, force: float) -> None:
+        """Tangent, or corner of the outline."""
+        self.values[row], self.gradients[row], self.value_rates[row] = self.gap[i], self.pressing[i], self.gap_rate[i]
+        self._load(i, force)
+        if site.kind == "tangent":
+            self.value_slopes[row, column] = self.residuals[column] = self.slope[i]
+            self.residual_gradients[column], self.residual_slopes[column, column] = self.sliding[i], self.bending[i]
+            self.load_slopes[:, column] = force * self.sliding[i]
+            self.residual_rates[column] = self.normal_rate[i] @ self.stations.tangents[i]
+
+    def add_patch(self, site: Site, span: slice, row: int, column: int, load: Array) -> None:
+        """Pressure over [a, b]: the gap's moments vanish, and the gap at the free ends."""
+        gauss = slice(span.start, span.start + _GAUSS_X.size)
+        rows = slice(row, row + PRESSURES)
+        forces = load @ _MEAN
+        self.values[rows], self.gradients[rows] = _MEAN @ self.gap[gauss], _MEAN @ self.pressing[gauss]
+        self.value_rates[rows] = _MEAN @ self.gap_rate[gauss]
+        for i, force in zip(range(gauss.start, gauss.stop), forces, strict=True):
+            self._load(i, force)
+        for end, shift in zip(range(site.unknown_places), ((1 - _GAUSS_X) / 2, (1 + _GAUSS_X) / 2), strict=False):
+            i, at = gauss.stop + end, column + end
+            self.value_slopes[rows, at] = _MEAN @ (shift * self.slope[gauss])
+            self.load_slopes[:, at] = (forces * shift) @ self.sliding[gauss]
+            self.residuals[at], self.residual_gradients[at] = self.gap[i], self.pressing[i]
+            self.residual_slopes[at, at], self.residual_rates[at] = self.slope[i], self.gap_rate[i]
+
+    def add_vertex(self, site: Site, i: int, row: int, column: int, force: float) -> None:
+        """Corner v of the object at the foot u of its normal: n . (c - v) = 0, (c - v) . t = 0."""
+        stations, vertex = self.stations, self.obstacle.corners[site.vertex]
+        stretch = float(np.hypot(*stations.tangents[i]))
+        t = stations.tangents[i] / stretch
+        n = -rot90(t) if site.piece == UPPER else rot90(t)
+        # the tangent turns by phi: phi_z, phi_u; n follows by -t phi (upper face: its mirror image)
+        across = rot90(t)
+        turn_z, turn_u = across @ stations.tangent_gradients[i] / stretch, across @ stations.curvatures[i] / stretch
+        side = -1.0 if site.piece == UPPER else 1.0
+        away = stations.points[i] - vertex
+        gap, along, height = n @ away, t @ away, across @ away
+        push, pass_by = n @ stations.gradients[i], t @ stations.gradients[i]
+        velocity = self.obstacle.velocities(vertex)
+        self.values[row], self.gradients[row] = gap, push - side * along * turn_z
+        self.value_slopes[row, column] = -side * turn_u * along
+        self.value_rates[row] = -n @ velocity
+        self.residuals[column], self.residual_gradients[column] = along, pass_by + height * turn_z
+        self.residual_slopes[column, column] = stretch + height * turn_u
+        self.residual_rates[column] = -t @ velocity
+        self.load_slopes[:, column] = -force * side * turn_u * pass_by
+        self.load_rates += force * side * (t @ velocity) * turn_z
+        self.pull[i] = force * n
+        mixed = np.outer(pass_by, turn_z)
+        self.extra -= force * side * (mixed + mixed.T)
+
+    def linearisation(self, hessian: Array, queries: list[Array]) -> Linearisation:
+        """The finished arrays, with the contact forces point by point."""
+        spans = np.cumsum([0] + [len(q) for q in queries])
+        ends = [0 if site.kind not in ("patch", "tail") else site.unknown_places for site in self.sites]
+        cuts = [slice(a, b - e) for a, b, e in zip(spans[:-1], spans[1:], ends, strict=True)]
+        return Linearisation(
+            self.values,
+            self.gradients,
+            self.value_slopes,
+            self.residuals,
+            self.residual_gradients,
+            self.residual_slopes,
+            self.load_slopes,
+            hessian,
+            self.value_rates,
+            self.residual_rates,
+            self.load_rates,
+            tuple(self.stations.points[cut] for cut in cuts),
+            tuple(self.pull[cut] for cut in cuts),
+            tuple(q[: len(q) - e] for q, e in zip(queries, ends, strict=True)),
+        )

@@ -1,0 +1,92 @@
+"""A scene as plain data in SI units, nested as a scene file: a result must say what it answers."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import sympy
+from sympy.printing.str import StrPrinter
+
+from gripper.fingers import Finger, Jaw, Material
+from gripper.pose import Pose, placed
+from gripper.registry import installed
+from gripper.scene import Motion, Scene
+
+
+class _Printer(StrPrinter):  # type: ignore[misc]  # sympy is untyped
+    """Expressions in the scene file's grammar, numbers with every digit (the names are sympy's hooks)."""
+
+    def _print_Float(self, expr: sympy.Float) -> str:
+        return repr(float(expr))
+
+    def _print_Abs(self, expr: sympy.Abs) -> str:
+        return f"abs({self._print(expr.args[0])})"
+
+    def _print_Max(self, expr: sympy.Max) -> str:
+        return f"max({', '.join(map(self._print, expr.args))})"
+
+    def _print_Min(self, expr: sympy.Min) -> str:
+        return f"min({', '.join(map(self._print, expr.args))})"
+
+    def _print_Exp1(self, expr: sympy.Expr) -> str:
+        return "exp(1)"
+
+
+def _value(value: Any) -> Any:
+    """Write a field as JSON and TOML can hold it: numbers as they are, expressions as text, tuples as lists."""
+    if isinstance(value, sympy.Expr):
+        return float(value) if value.is_number else _Printer().doprint(value)
+    return [_value(item) for item in value] if isinstance(value, (list, tuple)) else value
+
+
+def _fields(instance: Any, *but: str) -> dict[str, Any]:
+    """Every field that is set, by its name."""
+    names = (field.name for field in dataclasses.fields(instance) if field.name not in but)
+    return {name: _value(getattr(instance, name)) for name in names if getattr(instance, name) is not None}
+
+
+def _name(group: str, instance: Any) -> str:
+    """Give the name under which the instance's class is registered, else where the class is."""
+    cls = type(instance)
+    path = f"{cls.__module__}:{cls.__qualname__}"
+    return next((record.name for record in installed(group) if record.target == path), path)
+
+
+def _material(material: Material) -> dict[str, Any]:
+    return _fields(material) | {"shear_modulus": material.G}
+
+
+def _pose(pose: Pose) -> dict[str, Any]:
+    return _fields(pose)
+
+
+def _jaw(jaw: Jaw) -> dict[str, Any]:
+    return {"shape": _name("gripper.jaws", jaw)} | _fields(jaw)
+
+
+def _finger(finger: Finger, pose: Pose) -> dict[str, Any]:
+    table = {"profile": _name("gripper.fingers", finger)} | _fields(finger, "material", "jaw") | {"pose": _pose(pose)}
+    return table | ({"jaw": _jaw(finger.jaw)} if finger.jaw else {})
+
+
+def _motion(motion: Motion) -> dict[str, Any]:
+    return {"parameter": motion.parameter, "values": list(motion.values)}
+
+
+def describe(scene: Scene) -> dict[str, Any]:
+    """Write the scene as nested plain data: a scene file's tables, SI units, expressions as text, defaults filled in.
+
+    A plugin is given by its registered name, an unregistered class by ``module:class``.
+    """
+    finger, target = placed(scene.finger), placed(scene.object)
+    surface = {"surface": _name("gripper.objects", target.body)} | _fields(target.body)
+    tables = {
+        "title": scene.title,
+        "material": _material(finger.body.material),
+        "finger": _finger(finger.body, finger.pose),
+        "object": surface | {"pose": _pose(target.pose)},
+        "approach": {"direction": list(scene.approach)},
+        "solver": {"theory": scene.theory, "tolerance": scene.tolerance},
+    }
+    return tables | ({"motion": _motion(scene.motion)} if scene.motion else {})

@@ -1,0 +1,193 @@
+"""The exact equilibrium of a known set of contacts: Newton on the KKT system, with places unknown.
+
+Unknowns are the beam's z, the multipliers lambda and the contacts' places u; the equations are
+
+    z - C_z^T lambda = 0,   C(z, u) = 0,   R(z, u) = 0,
+
+V's Hessian being the identity. The same matrix gives the tangent along a motion, the stability and the error
+estimate. Segments end at the contacts: they are cut anew until the places that come out are those that went in.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gripper.beam import Beam, BeamTheory
+from gripper.contact import Linearisation, Site, linearise
+from gripper.objects import Object
+from gripper.obstacle import Frame, Obstacle
+from gripper.outline import Outline
+from gripper.sections import Sections
+
+Array = NDArray[np.float64]
+_ITERATIONS = 20
+_CONVERGED = 1e-8  # last step, relative: the next one, quadratic, would be round-off
+_NARROWEST = 1e-8  # of L: breaks nearer than this are one
+_NEAR = 0.1  # of L: breaks that move less are the same breaks
+_NO_STRAIN = 1e-300
+_WILD = 1e3  # |z|: a finger rolled up hundreds of times
+
+
+@dataclass(frozen=True, eq=False)
+class Setting:
+    """What stays the same over a motion: the finger, its outline, the theory, the object."""
+
+    sections: Sections
+    outline: Outline
+    theory: BeamTheory
+    body: Object
+    tolerance: float
+
+    def obstacle(self, frame: Frame) -> Obstacle:
+        """The object at a pose."""
+        return Obstacle(self.body, self.sections.length, frame)
+
+    def beam(self, sites: tuple[Site, ...], order: int) -> Beam:
+        """A beam whose segments end at these contacts and at the profile's kinks."""
+        marks = sorted({0.0, 1.0, *self.sections.kinks}.union(*(site.breaks() for site in sites)))
+        breaks = [0.0]
+        for mark in marks:
+            if mark - breaks[-1] > _NARROWEST and (1.0 - mark > _NARROWEST or mark == 1.0):
+                breaks.append(mark)
+        return Beam(self.sections, tuple(breaks), order, self.theory)
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """A deflected finger and its contacts."""
+
+    beam: Beam
+    z: Array
+    sites: tuple[Site, ...] = ()
+    multipliers: Array = field(default_factory=lambda: np.empty(0))
+
+    @property
+    def energy(self) -> float:
+        """Strain energy over EI(0) / L."""
+        return float(self.z @ self.z) / 2
+
+    @property
+    def places(self) -> Array:
+        """All unknown places, one after the other."""
+        return np.array([p for site in self.sites for p in site.place[: site.unknown_places]])
+
+    def moved(self, dz: Array, dmultipliers: Array, dplaces: Array) -> State:
+        """The state after a step in all unknowns."""
+        sites, first = [], 0
+        for site in self.sites:
+            last = first + site.unknown_places
+            sites.append(site.moved(np.array(site.place[: site.unknown_places]) + dplaces[first:last]))
+            first = last
+        return State(self.beam, self.z + dz, tuple(sites), self.multipliers + dmultipliers)
+
+    def on(self, beam: Beam) -> State:
+        """The same strains on other segments."""
+        if beam.segments == self.beam.segments and np.max(np.abs(np.subtract(beam.breaks, self.beam.breaks))) < _NEAR:
+            return replace(self, beam=beam, z=beam.carry(self.beam, self.z))
+        return replace(self, beam=beam, z=beam.project(self.beam, self.z))
+
+
+@dataclass(frozen=True, eq=False)
+class Equilibrium:
+    """A converged state with the linearisation that it converged on."""
+
+    state: State
+    obstacle: Obstacle
+    linear: Linearisation
+    iterations: int
+
+    def matrix(self) -> Array:
+        """The KKT matrix in (z, lambda, u)."""
+        return _matrix(self.linear)
+
+    def tangent(self) -> tuple[Array, Array, Array]:
+        """Rates of z, the multipliers and the places with the motion's parameter."""
+        lin = self.linear
+        rates = np.linalg.solve(self.matrix(), np.concatenate([lin.load_rates, -lin.value_rates, -lin.residual_rates]))
+        return _split(rates, lin)
+
+    @property
+    def force(self) -> Array:
+        """Total contact force on the finger, (2,)."""
+        return sum((f.sum(axis=0) for f in self.linear.forces), np.zeros(2))
+
+
+class NoEquilibriumError(Exception):
+    """Newton found no equilibrium with this set of contacts; says why."""
+
+
+def _matrix(lin: Linearisation) -> Array:
+    n, m, k = lin.gradients.shape[1], len(lin.values), len(lin.residuals)
+    matrix = np.zeros((n + m + k, n + m + k))
+    matrix[:n, :n] = np.eye(n) - lin.hessian
+    matrix[:n, n : n + m], matrix[:n, n + m :] = -lin.gradients.T, -lin.load_slopes
+    matrix[n : n + m, :n], matrix[n : n + m, n + m :] = lin.gradients, lin.value_slopes
+    matrix[n + m :, :n], matrix[n + m :, n + m :] = lin.residual_gradients, lin.residual_slopes
+    return matrix
+
+
+def _split(step: Array, lin: Linearisation) -> tuple[Array, Array, Array]:
+    n, m = lin.gradients.shape[1], len(lin.values)
+    return step[:n], step[n : n + m], step[n + m :]
+
+
+def kkt_step(state: State, lin: Linearisation) -> tuple[Array, Array, Array]:
+    """Newton's step in z, multipliers and places.
+
+    Raises
+    ------
+    NoEquilibriumError
+        Where the system is singular.
+    """
+    stationarity = state.z - lin.gradients.T @ state.multipliers
+    try:
+        step = np.linalg.solve(_matrix(lin), -np.concatenate([stationarity, lin.values, lin.residuals]))
+    except np.linalg.LinAlgError as error:
+        raise NoEquilibriumError("the KKT system is singular (parallel constraints)") from error
+    return _split(step, lin)
+
+
+def _shortening(state: State, dplaces: Array) -> float:
+    """Factor on a step such that no place runs away and no patch turns inside out."""
+    factor, first = 1.0, 0
+    for site in state.sites:
+        last = first + site.unknown_places
+        bound = 0.5 * (site.place[1] - site.place[0]) if site.kind in ("patch", "tail") else 0.15
+        largest = np.max(np.abs(dplaces[first:last]), initial=0.0)
+        factor, first = min(factor, bound / largest if largest > bound else 1.0), last
+    return factor
+
+
+def settle(setting: Setting, obstacle: Obstacle, state: State, order: int) -> Equilibrium:
+    """Newton, the segments cut anew at the contacts' places before every step, so that they end where those are.
+
+    Raises
+    ------
+    NoEquilibriumError
+        Where it does not converge.
+    """
+    last = np.inf
+    for iteration in range(_ITERATIONS):
+        if iteration == 0 or _stale(state):
+            state = state.on(setting.beam(state.sites, order))
+        lin = linearise(state.beam, state.z, setting.outline, obstacle, state.sites, state.multipliers)
+        if last < _CONVERGED:
+            return Equilibrium(state, obstacle, lin, iteration)
+        dz, dmultipliers, dplaces = kkt_step(state, lin)
+        factor = _shortening(state, dplaces)
+        state = state.moved(factor * dz, factor * dmultipliers, factor * dplaces)
+        last = np.linalg.norm(dz) / max(float(np.linalg.norm(state.z)), _NO_STRAIN)
+        last = max(last, np.max(np.abs(dplaces), initial=0.0))
+        if not np.isfinite(last) or np.linalg.norm(state.z) > _WILD:
+            raise NoEquilibriumError("Newton's iteration diverged")
+    raise NoEquilibriumError(f"Newton's iteration did not converge in {_ITERATIONS} steps")
+
+
+def _stale(state: State) -> bool:
+    """Whether the segments end elsewhere than the contacts are."""
+    breaks = np.array(state.beam.breaks)
+    marks = [mark for site in state.sites for mark in site.breaks()]
+    return any(np.min(np.abs(breaks - mark)) > _NARROWEST for mark in marks)

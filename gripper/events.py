@@ -1,0 +1,177 @@
+"""What changes between two poses of a motion, and at which value of its parameter."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Literal, Protocol
+
+import numpy as np
+from scipy.optimize import brentq
+
+from gripper.assemble import Problem, near
+from gripper.certificate import survey
+from gripper.contact import Site
+from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, settle
+from gripper.obstacle import Frame
+
+Feature = tuple[Literal["flank", "corner", "vertex"], int, int]
+_SHARP = 1e-13  # of the step: where an event is located to
+
+
+class Path(Protocol):
+    """Frames of the object along a parameter."""
+
+    def frame(self, parameter: float) -> Frame:
+        """The object's frame relative to the clamp."""
+        ...
+
+
+@dataclass(frozen=True)
+class Change:
+    """Something that happened at a value of the path's parameter."""
+
+    parameter: float
+    kind: Literal["touch", "release", "change", "snap"]
+    detail: str
+
+
+@dataclass(frozen=True, eq=False)
+class Along:
+    """An equilibrium and where on the path it stands."""
+
+    parameter: float
+    equilibrium: Equilibrium
+
+
+def features(sites: tuple[Site, ...]) -> dict[Feature, int]:
+    """What touches, and the number of its site; a patch that ends in the tip's corner is the corner."""
+    kinds: dict[str, Literal["flank", "corner", "vertex"]] = {"corner": "corner", "vertex": "vertex"}
+    return {
+        (kinds.get(site.kind, "flank"), site.piece, site.vertex): i
+        for i, site in enumerate(sites)
+        if site.kind != "tail"
+    }
+
+
+def changes(setting: Setting, path: Path, old: Along, new: Along, order: int) -> list[Change]:
+    """Touch, release and change of face, edge or corner between two neighbouring poses, located on the parameter."""
+    before, after = features(old.equilibrium.state.sites), features(new.equilibrium.state.sites)
+    gone, come = [f for f in before if f not in after], [f for f in after if f not in before]
+    out: list[Change] = []
+    for lost, won in zip(gone, come, strict=False):
+        where = _changed(setting, path, old, new, lost, won, order)
+        out.append(Change(where, "change", f"{_named(setting, lost)} to {_named(setting, won)}"))
+    pairs = min(len(gone), len(come))
+    for won in come[pairs:]:
+        if before:
+            where = _root(setting, path, new, old.parameter, won, _pressing, order)
+        else:
+            where = first_touch(setting, path, old, new)
+        out.append(Change(where, "touch", _named(setting, won)))
+    for lost in gone[pairs:]:
+        where = _root(setting, path, old, new.parameter, lost, _pressing, order)
+        out.append(Change(where, "release", _named(setting, lost)))
+    return sorted(out, key=lambda change: abs(change.parameter - old.parameter))
+
+
+def first_touch(setting: Setting, path: Path, old: Along, new: Along) -> float:
+    """Where the least gap of the straight finger vanishes."""
+    state = old.equilibrium.state
+
+    def least(parameter: float) -> float:
+        obstacle = setting.obstacle(path.frame(parameter))
+        found = survey(setting, obstacle, state)
+        candidates = near(setting, obstacle, state, found, max(found.min_gap, 0.0) + 0.05)
+        gaps = Problem(setting, obstacle, state, candidates).gaps(np.zeros(state.beam.size))
+        return float(np.min(gaps, initial=1.0))
+
+    return _bracketed(least, old.parameter, new.parameter)
+
+
+def _changed(
+    setting: Setting, path: Path, old: Along, new: Along, lost: Feature, won: Feature, order: int
+) -> float:
+    """A contact that has a place on its piece tells by its reaching the end; a corner by its multiplier."""
+    if lost[0] != "corner":
+        return _root(setting, path, old, new.parameter, lost, _from_end, order)
+    if won[0] != "corner" and not any(site.kind == "tail" for site in old.equilibrium.state.sites):
+        return _root(setting, path, new, old.parameter, won, _from_end, order)
+    return _root(setting, path, old, new.parameter, lost, _pressing, order)
+
+
+def _named(setting: Setting, feature: Feature) -> str:
+    kind, piece, vertex = feature
+    on = setting.outline.place(piece, np.zeros(1))[0]
+    if kind == "vertex":
+        return f"the object's corner {vertex} on {on}"
+    return f"corner of {on}" if kind == "corner" else on
+
+
+def _pressing(setting: Setting, equilibrium: Equilibrium, i: int) -> float:
+    """The multiplier of a contact: 0 where it is released, or was not yet touched."""
+    sites = equilibrium.state.sites
+    return float(equilibrium.state.multipliers[sum(site.multipliers for site in sites[:i])])
+
+
+def _from_end(setting: Setting, equilibrium: Equilibrium, i: int) -> float:
+    """How far a contact is from the nearer end of its piece."""
+    site = equilibrium.state.sites[i]
+    return min(site.place[0], setting.outline.pieces[site.piece].length - site.place[-1])
+
+
+Measure = Callable[[Setting, Equilibrium, int], float]
+
+
+def _root(
+    setting: Setting, path: Path, known: Along, stop: float, feature: Feature, measure: Measure, order: int
+) -> float:
+    """Where a measure vanishes on the branch of a known equilibrium, its contacts held beyond the event."""
+    i = features(known.equilibrium.state.sites)[feature]
+    nearest = [replace(known, equilibrium=_pointed(setting, known.equilibrium, i, measure, order))]
+
+    def value(parameter: float) -> float:
+        start = min(nearest, key=lambda at: abs(at.parameter - parameter))
+        change = parameter - start.parameter
+        if change:
+            predicted = start.equilibrium.state.moved(*(change * rate for rate in start.equilibrium.tangent()))
+            found = settle(setting, setting.obstacle(path.frame(parameter)), predicted, order)
+            nearest.append(Along(parameter, found))
+        return measure(setting, nearest[-1].equilibrium if change else start.equilibrium, i)
+
+    try:
+        return _bracketed(value, known.parameter, stop)
+    except (NoEquilibriumError, np.linalg.LinAlgError):
+        return _last_good(value, known.parameter, stop)
+
+
+def _pointed(setting: Setting, equilibrium: Equilibrium, i: int, measure: Measure, order: int) -> Equilibrium:
+    """A patch shrinks to a point before it lets go: followed as a point, which may pull beyond the event."""
+    site = equilibrium.state.sites[i]
+    if site.kind != "patch" or measure is not _pressing:
+        return equilibrium
+    state = equilibrium.state
+    first = sum(s.multipliers for s in state.sites[:i])
+    sites = (*state.sites[:i], replace(site, kind="tangent", place=(site.middle,)), *state.sites[i + 1 :])
+    multipliers = np.delete(state.multipliers, range(first + 1, first + site.multipliers))
+    return settle(setting, equilibrium.obstacle, State(state.beam, state.z, sites, multipliers), order)
+
+
+def _bracketed(value: Callable[[float], float], start: float, stop: float) -> float:
+    """The root between two parameters; the end that is nearer to one where the sign does not change."""
+    first, last = value(start), value(stop)
+    if first * last > 0:
+        return stop if abs(last) < abs(first) else start
+    return float(brentq(value, start, stop, xtol=_SHARP * max(abs(start), abs(stop)), rtol=1e-14))
+
+
+def _last_good(value: Callable[[float], float], start: float, stop: float) -> float:
+    """The furthest parameter at which the branch exists and the measure is positive, by bisection."""
+    for _ in range(40):
+        middle = (start + stop) / 2
+        try:
+            good = value(middle) > 0
+        except (NoEquilibriumError, np.linalg.LinAlgError):
+            good = False
+        start, stop = (middle, stop) if good else (start, middle)
+    return start

@@ -1,0 +1,104 @@
+"""Rules for a dataclass's fields, written once as types and checked once by the base classes.
+
+A field annotated ``radius: Positive`` is checked when the instance is made, wherever it is made: in
+Python, or by the scene file's reader. Plugins hold no check of their own for what a type can say.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import math
+from collections.abc import Callable
+from typing import Annotated, Any, get_args, get_type_hints
+
+import sympy
+
+
+@dataclasses.dataclass(frozen=True)
+class Rule:
+    """What a value must satisfy: the words of the error, and the test behind them."""
+
+    words: str
+    holds: Callable[[Any], bool]
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def _is_profile(value: Any) -> bool:
+    return _is_number(value) or isinstance(value, sympy.Expr)
+
+
+@dataclasses.dataclass(frozen=True)
+class Variables:
+    """The names that an expression in this field may hold (for readers of text)."""
+
+    names: tuple[str, ...]
+
+
+_POSITIVE = Rule("be a positive number, in SI units", lambda v: _is_number(v) and v > 0)
+_FINITE = Rule("be a finite number, in SI units", _is_number)
+Positive = Annotated[float, _POSITIVE]
+"""A number above zero."""
+Finite = Annotated[float, _FINITE]
+"""Any finite number."""
+Expression = Annotated[float | sympy.Expr, Rule("be a finite number or an expression", _is_profile)]
+"""A number or a sympy expression (a pose, in the motion's parameter)."""
+Profile = Annotated[
+    float | sympy.Expr, Variables(("s",)), Rule("be a finite number or an expression in s", _is_profile)
+]
+"""A number or a sympy expression in the arc length s."""
+Surface = Annotated[sympy.Expr, Variables(("x", "y")), Rule("be an expression in x and y", _is_profile)]
+"""A sympy expression in x and y."""
+Point = tuple[Finite, Finite]
+"""A point (x, y), in m."""
+
+
+@functools.cache
+def _annotations(cls: type) -> dict[str, Any]:
+    return get_type_hints(cls, include_extras=True)
+
+
+def _check(name: str, annotation: Any, value: Any) -> None:
+    metadata = getattr(annotation, "__metadata__", ())
+    for rule in (item for item in metadata if isinstance(item, Rule)):
+        if not rule.holds(value):
+            raise ValueError(f"{name} must {rule.words}; got {value!r}")
+    if type(None) in get_args(annotation) and value is not None:  # Positive | None
+        for option in get_args(annotation):
+            _check(name, option, value)
+    if getattr(annotation, "__origin__", None) is tuple and isinstance(value, tuple):
+        inner = get_args(annotation)
+        each = inner[:1] * len(value) if len(inner) == 2 and inner[1] is Ellipsis else inner
+        if len(each) != len(value):
+            raise ValueError(f"{name} must have {len(each)} entries; got {value!r}")
+        for i, (item, item_annotation) in enumerate(zip(value, each, strict=True)):
+            _check(f"{name}[{i}]", item_annotation, item)
+
+
+def _frozen(value: Any) -> Any:
+    """Lists and arrays as nested tuples, numpy's numbers as Python's: the instance stays hashable."""
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, (list, tuple)):
+        return tuple(_frozen(item) for item in value)
+    return value
+
+
+def check_fields(instance: Any) -> None:
+    """Check every field of a frozen dataclass against its annotation's rules.
+
+    Sequences become tuples, so that the instance is hashable whatever it was built from.
+
+    Raises
+    ------
+    ValueError
+        The first field that breaks its rule, with the rule and the value got.
+    """
+    annotations = _annotations(type(instance))
+    for field in dataclasses.fields(instance):
+        value = _frozen(getattr(instance, field.name))
+        object.__setattr__(instance, field.name, value)
+        _check(field.name, annotations[field.name], value)

@@ -1,0 +1,118 @@
+"""The finger: material, profile w(s) and b(s), rigid jaw. Knows no particular profile."""
+
+from __future__ import annotations
+
+import dataclasses
+from abc import ABC, abstractmethod
+from typing import Annotated, Literal
+
+import sympy
+
+from gripper.fields import Positive, Profile, Rule, check_fields
+from gripper.pose import Placeable
+
+S = sympy.Symbol("s", real=True)
+"""Arc length along the undeflected neutral axis, from the clamp, in m."""
+
+PoissonRatio = Annotated[float, Rule("lie above -1 and at most at 0.5", lambda v: -1 < v <= 0.5)]
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Material:
+    """Linear elastic, isotropic material.
+
+    Parameters
+    ----------
+    youngs_modulus
+        E, in Pa.
+    poisson_ratio
+        nu, without unit.
+    shear_modulus
+        G, in Pa; E / (2 (1 + nu)) when it is not given.
+    plane
+        "stress" (a finger that is narrow out of plane) or "strain" (wide: E / (1 - nu^2) in bending).
+    yield_strain
+        Largest permissible strain, without unit; gives the strain margin of a result.
+    """
+
+    youngs_modulus: Positive
+    poisson_ratio: PoissonRatio
+    shear_modulus: Positive | None = None
+    plane: Literal["stress", "strain"] = "stress"
+    yield_strain: Positive | None = None
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        if self.plane not in ("stress", "strain"):
+            raise ValueError(f"plane must be 'stress' or 'strain'; got {self.plane!r}")
+
+    @property
+    def G(self) -> float:
+        """Shear modulus, in Pa."""
+        if self.shear_modulus is not None:
+            return self.shear_modulus
+        return self.youngs_modulus / (2 * (1 + self.poisson_ratio))
+
+    @property
+    def bending_modulus(self) -> float:
+        """The modulus of bending, in Pa: E in plane stress, E / (1 - nu^2) in plane strain."""
+        if self.plane == "strain":
+            return self.youngs_modulus / (1 - self.poisson_ratio**2)
+        return self.youngs_modulus
+
+    @property
+    def shear_coefficient(self) -> float:
+        """Kaneko's coefficient of the rectangle, (5 + 5 nu) / (6 + 5 nu) (Kaneko 1975; Lan & Lee eq 23)."""
+        return (5 + 5 * self.poisson_ratio) / (6 + 5 * self.poisson_ratio)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Jaw(ABC):
+    """A rigid jaw that moves with the finger's end section.
+
+    Jaw frame: origin on the neutral axis at s = L, x along the finger, y across it.
+    """
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+    @abstractmethod
+    def polygon(self, thickness: float) -> tuple[tuple[float, float], ...]:
+        """Vertices of the jaw in the jaw frame, in m, for a finger of this tip thickness (m)."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Finger(Placeable, ABC):
+    """A flexible finger, clamped at s = 0; a plugin writes its thickness w(s).
+
+    Parameters
+    ----------
+    length
+        L, in m.
+    width
+        b, out of plane, in m: a number or an expression in s.
+    material
+        What it is made of.
+    jaw
+        A rigid jaw at its end, or None.
+    """
+
+    length: Positive
+    width: Profile
+    material: Material
+    jaw: Jaw | None = None
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+    @abstractmethod
+    def w(self, s: sympy.Expr) -> sympy.Expr:
+        """In-plane thickness w(s), in m, as an expression in the arc length s (m)."""
+
+    def b(self, s: sympy.Expr) -> sympy.Expr:
+        """Out-of-plane width b(s), in m."""
+        return sympy.sympify(self.width).subs(S, s)
+
+    def kinks(self) -> tuple[float, ...]:
+        """Arc lengths (m), between 0 and L, where w or b or their slopes jump; none by default."""
+        return ()

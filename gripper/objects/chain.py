@@ -1,0 +1,214 @@
+"""A closed chain of polynomial pieces: the nearest point on it, its corners, and what is proved of its distance."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gripper.objects.base import Array, Box
+from gripper.objects.formulas import Span
+
+FINENESS = 5e-4  # chords to search among are within this part of the chain's size of the curve
+FEW = 256  # chords up to which comparing all of them beats a tree (measured: 20 to 200 points)
+STRAIGHT = 1e-9  # rad: a smaller turn is no corner
+NEWTON_STEPS = 12
+SETTLED = 1e-9  # a Newton step below it leaves an error below rounding
+
+Indices = NDArray[np.intp]
+
+
+@dataclass(frozen=True)
+class Nearest:
+    """Nearest feature of the chain, a point each: piece and parameter t, and the corner's index or -1."""
+
+    piece: Indices
+    t: Array
+    corner: Indices
+
+
+class Chain:
+    """A closed chain of pieces q_i(t) = sum_k c_ik t^k, t in [0, 1], counter-clockwise.
+
+    Parameters
+    ----------
+    coefficients
+        (m, degree + 1, 2), in m; each piece ends where the next begins, the last where the first does.
+    """
+
+    def __init__(self, coefficients: Array) -> None:
+        self.coefficients = coefficients if _area(coefficients) >= 0 else _reversed(coefficients)
+        self.lengths = np.linalg.norm(self.coefficients[:, 1:].sum(axis=1), axis=1)
+        self.span = Span.of_degree(coefficients.shape[1] - 1)
+        starts = self.coefficients[:, 0]
+        self.size = float(np.ptp(starts, axis=0).max())
+        self.curved = coefficients.shape[1] > 2
+        self.piece, self.t0, self.t1, self.sagitta = self.subdivide(FINENESS * self.size)
+        self.start = self.at(self.piece, self.t0)
+        self.chord = np.roll(self.start, -1, axis=0) - self.start
+        self._find_corners()
+
+    def at(self, piece: Indices, t: Array) -> Array:
+        """Points q(t) (n, 2), in m, of pieces (n,) at t (n,)."""
+        q = np.zeros((len(piece), 2))
+        for k in reversed(range(self.coefficients.shape[1])):
+            q = q * t[:, None] + self.coefficients[piece, k]
+        return q
+
+    def subdivide(self, tolerance: float) -> tuple[Indices, Array, Array, Array]:
+        """Cut every piece into chords that are within ``tolerance`` (m) of it.
+
+        Returns
+        -------
+        Of each chord: its piece, the parameters at its ends, and the largest distance (m) to the curve.
+        """
+        powers = np.arange(self.coefficients.shape[1])
+        bend = (powers * (powers - 1)) @ np.linalg.norm(self.coefficients, axis=2).T  # >= |q''|
+        counts = np.maximum(1, np.ceil(np.sqrt(bend / (8 * tolerance)))).astype(int)
+        piece = np.repeat(np.arange(len(counts)), counts)
+        step = np.arange(len(piece)) - np.repeat(np.cumsum(counts) - counts, counts)
+        return piece, step / counts[piece], (step + 1) / counts[piece], (bend / counts**2 / 8)[piece]
+
+    def _find_corners(self) -> None:
+        """At the start of each piece: the normals before and after, the turn, and whether it is a corner."""
+        powers = np.arange(self.coefficients.shape[1])
+        after = self.coefficients[:, 1]
+        before = np.roll((powers[:, None] * self.coefficients).sum(axis=1), 1, axis=0)
+        turned = [tangent / np.linalg.norm(tangent, axis=1, keepdims=True) for tangent in (before, after)]
+        normals = np.stack([np.column_stack([tangent[:, 1], -tangent[:, 0]]) for tangent in turned], axis=1)
+        cross = turned[0][:, 0] * turned[1][:, 1] - turned[0][:, 1] * turned[1][:, 0]
+        self.turn: Array = np.arctan2(cross, (turned[0] * turned[1]).sum(axis=1))
+        self.corner: NDArray[np.bool_] = np.abs(self.turn) > STRAIGHT
+        self.convex_corner: NDArray[np.bool_] = self.corner & (self.turn > 0)
+        self.normals: Array = normals
+        self.vertex: Array = self.coefficients[:, 0]
+        bisector = normals.sum(axis=1) + 1e-9 * turned[0]  # a needle's normals cancel
+        self.bisector: Array = bisector / np.linalg.norm(bisector, axis=1, keepdims=True)
+
+    @cached_property
+    def tree(self) -> Any:
+        """The chords in an STRtree."""
+        import shapely
+
+        return shapely.STRtree(shapely.linestrings(np.stack([self.start, self.start + self.chord], axis=1)))
+
+    @cached_property
+    def polygon(self) -> Any:
+        """A shapely polygon within 1e-5 of the chain's size of it."""
+        import shapely
+
+        return shapely.Polygon(self.polyline(1e-5 * self.size))
+
+    @cached_property
+    def inner_disc(self) -> tuple[Array, float]:
+        """Centre (2,) and radius of the largest disc inside, in m, to 1e-3 of it."""
+        import shapely
+
+        line = shapely.maximum_inscribed_circle(self.polygon, tolerance=1e-4 * self.size)
+        return np.array(line.coords[0]), float(line.length)
+
+    @cached_property
+    def box(self) -> Box:
+        """The box that holds the chain, in m."""
+        piece, t, _, sagitta = self.subdivide(1e-6 * self.size)
+        vertices = self.at(piece, t)
+        low, high = vertices.min(axis=0) - sagitta.max(), vertices.max(axis=0) + sagitta.max()
+        return float(low[0]), float(low[1]), float(high[0]), float(high[1])
+
+    def polyline(self, tolerance: float) -> Array:
+        """Vertices (m, 2) on the chain, the first one repeated, with chords within ``tolerance`` (m) of it."""
+        piece, t, _, _ = self.subdivide(tolerance)
+        vertices = self.at(piece, t)
+        return np.vstack([vertices, vertices[:1]])
+
+    def nearest(self, points: Array) -> Nearest:
+        """Find the feature nearest to each of points (n, 2), in m."""
+        owner, chord, along = self._candidates(points)
+        piece = self.piece[chord]
+        t = self.t0[chord] + (self.t1 - self.t0)[chord] * along
+        if self.curved:
+            piece, t = self._foot(points[owner], piece, t)
+            if len(owner) > len(points):
+                distance = np.linalg.norm(points[owner] - self.at(piece, t), axis=1)
+                first = np.searchsorted(owner, np.arange(len(points)))
+                closest = np.lexsort((distance, owner))[first]
+                piece, t = piece[closest], t[closest]
+        joint = np.where(t >= 1, (piece + 1) % len(self.corner), piece)
+        at_joint = (t <= 0) | (t >= 1)
+        return Nearest(piece, t, np.where(at_joint & self.corner[joint], joint, -1))
+
+    def _candidates(self, points: Array) -> tuple[Indices, Indices, Array]:
+        """Find the chords over which the nearest point can lie.
+
+        Returns
+        -------
+        Of each candidate: the index of its point (rising), its chord, and how far along (0 to 1) that is nearest.
+        """
+        if len(self.start) <= FEW:
+            return self._compare_all(points)
+        import shapely
+
+        at = shapely.points(points)
+        (owner, chord), distance = self.tree.query_nearest(at, all_matches=False, return_distance=True)
+        if self.curved:
+            owner, chord = self.tree.query(at, predicate="dwithin", distance=distance + 2 * self.sagitta.max())
+            order = np.argsort(owner, kind="stable")
+            owner, chord = owner[order], chord[order]
+        d = self.chord[chord]
+        along = ((points[owner] - self.start[chord]) * d).sum(axis=1) / (d * d).sum(axis=1)
+        return owner, chord, np.minimum(np.maximum(along, 0.0), 1.0)
+
+    def _compare_all(self, points: Array) -> tuple[Indices, Indices, Array]:
+        (dx, dy), (ax, ay) = self.chord.T, self.start.T
+        rx, ry = points[:, :1] - ax, points[:, 1:] - ay
+        along = np.minimum(np.maximum((rx * dx + ry * dy) / (dx * dx + dy * dy), 0.0), 1.0)
+        rx, ry = rx - along * dx, ry - along * dy
+        squares = rx * rx + ry * ry
+        if self.curved:
+            distance = np.sqrt(squares)
+            limit = (distance + self.sagitta).min(axis=1)
+            owner, chord = np.nonzero(distance - self.sagitta <= limit[:, None])
+        else:
+            owner, chord = np.arange(len(points)), squares.argmin(axis=1)
+        return owner, chord, along[owner, chord]
+
+    def _foot(self, points: Array, piece: Indices, t: Array) -> tuple[Indices, Array]:
+        """Newton on the foot condition from a start nearby, on to the next piece where the joint is smooth."""
+        for _ in range(NEWTON_STEPS):
+            step = self.span.step(points, t, self.coefficients[piece])
+            moved_piece, moved = self._walk(piece, t + np.minimum(np.maximum(step, -0.25), 0.25))
+            settled = bool((np.abs(moved - t) < SETTLED).all())
+            piece, t = moved_piece, moved
+            if settled:
+                break
+        return piece, t
+
+    def _walk(self, piece: Indices, t: Array) -> tuple[Indices, Array]:
+        """Carry t beyond 0 or 1 over a smooth joint into the neighbour; stop it at a corner."""
+        over, under = t > 1, t < 0
+        if not (over | under).any():
+            return piece, t
+        neighbour = (piece + over.astype(int) - under) % len(self.corner)
+        smooth = (over | under) & ~self.corner[np.where(over, neighbour, piece)]
+        ratio = self.lengths[piece] / self.lengths[neighbour]
+        entered = np.where(over, (t - 1) * ratio, 1 + t * ratio)
+        return np.where(smooth, neighbour, piece), np.clip(np.where(smooth, entered, t), 0.0, 1.0)
+
+
+def _area(coefficients: Array) -> float:
+    """Twice the signed area (m^2) of the polygon of some points of each piece."""
+    powers = np.arange(coefficients.shape[1])
+    t = np.linspace(0, 1, 8, endpoint=False)[: 8 if len(powers) > 2 else 1]
+    x, y = np.einsum("tk,mkd->dmt", t[:, None] ** powers, coefficients).reshape(2, -1)
+    return float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
+
+
+def _reversed(coefficients: Array) -> Array:
+    """Return the same chain, passed the other way: pieces in reverse, 1 - t for t."""
+    count = coefficients.shape[1]
+    flip = np.array([[math.comb(k, j) * (-1) ** j for j in range(count)] for k in range(count)], dtype=float)
+    return np.ascontiguousarray(np.einsum("kj,mkd->mjd", flip, coefficients)[::-1])

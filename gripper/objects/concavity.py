@@ -1,0 +1,89 @@
+"""What is proved of the signed distance to a closed chain: where it is convex, and how concave it can be."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from gripper.interval import enclose_all
+from gripper.objects.base import Array
+from gripper.objects.chain import Chain, Indices
+from gripper.objects.formulas import T
+
+PARTS = 8  # of each chord, for a tight range of its curvature
+
+
+class Concavity:
+    """Lower bounds of the Hessian's smallest eigenvalue.
+
+    A disc is settled where the features that can be nearest to its points are one run of the chain, without
+    a re-entrant corner, that turns by less than pi: a run moved along its normals, by less than its
+    radius of curvature, goes on in one direction, so it passes no point twice, feet are unique, and the
+    distance's second derivative is kappa / (1 + kappa g) (kappa < 0 where the outline is hollow). Inside,
+    where feet are not unique, the signed distance is a maximum of such pieces: its kinks are convex.
+    """
+
+    def __init__(self, chain: Chain) -> None:
+        self.chain = chain
+        lowest, turn = _chords(chain)
+        self.lowest = np.minimum(lowest, 0.0)  # curvature, in 1/m
+        self.turn = turn
+        joints = np.zeros(len(chain.start))
+        first = np.flatnonzero(np.diff(chain.piece, prepend=-1))
+        joints[first] = np.where(chain.convex_corner, chain.turn, np.where(chain.corner, math.inf, 0.0))
+        self.joint = joints  # turn at the start of each chord, infinite at a re-entrant corner
+        self.convex = bool((lowest >= 0).all() and np.isfinite(joints).all())
+
+    def bound(self, centers: Array, radii: Array, g: Array) -> Array:
+        """Lower bound (n,), in 1/m, over discs (n, 2), (n,) with g (n,) at their centres; -inf where none is known."""
+        if self.convex:
+            return np.zeros(len(centers))
+        disc, chord = self._reachable(centers, np.abs(g) + 2 * radii + self.chain.sagitta.max())
+        n = len(centers)
+        count = np.bincount(disc, minlength=n)
+        links, turn = self._runs(disc, chord, n)
+        lowest = np.zeros(n)
+        np.minimum.at(lowest, disc, self.lowest[chord])
+        outside = np.maximum(g + radii, 0.0)
+        left = 1 + lowest * outside  # how much of the radius of curvature is left
+        with np.errstate(divide="ignore", invalid="ignore"):
+            bound = np.where(outside > 0, lowest / left, lowest)
+        settled = (links >= count - 1) & (turn < math.pi) & (left > 0)
+        settled |= (outside == 0) & np.isfinite(turn)
+        return np.where(settled, bound, -math.inf)
+
+    def _reachable(self, centers: Array, reach: Array) -> tuple[Indices, Indices]:
+        """Pairs of a disc and a chord that can be nearest to a point of it."""
+        import shapely
+
+        pairs = self.chain.tree.query(shapely.points(centers), predicate="dwithin", distance=reach * (1 + 1e-12))
+        return pairs[0], pairs[1]
+
+    def _runs(self, disc: Indices, chord: Indices, n: int) -> tuple[Indices, Array]:
+        """How many of each disc's chords follow another of them, and by how much they turn in all."""
+        m = len(self.chain.start)
+        key = np.sort(disc * m + chord)
+        before = disc * m + (chord - 1) % m
+        place = np.minimum(np.searchsorted(key, before), len(key) - 1)
+        linked = key[place] == before if len(key) else np.zeros(0, dtype=bool)
+        turn = self.turn[chord] + np.where(linked, self.joint[chord], 0.0)
+        links: Indices = np.bincount(disc[linked], minlength=n)
+        total: Array = np.asarray(np.bincount(disc, weights=turn, minlength=n), dtype=float)
+        return links, total
+
+
+def _chords(chain: Chain) -> tuple[Array, Array]:
+    """Bound the curvature (1/m) from below, and the turn (rad) from above, of the curve over each chord."""
+    m = len(chain.start)
+    if not chain.curved:
+        return np.zeros(m), np.zeros(m)
+    c = np.repeat(chain.coefficients[chain.piece].reshape(m, -1), PARTS, axis=0).T
+    part = np.arange(PARTS) / PARTS
+    step = ((chain.t1 - chain.t0) / PARTS)[:, None]
+    t = chain.t0[:, None] + step * PARTS * part
+    box = {symbol: (value, value) for symbol, value in zip(chain.span.c, c, strict=True)}
+    box[T] = (t.ravel(), np.minimum(t + step * (1 + 1e-9), 1.0).ravel())
+    curvature, speed = enclose_all([chain.span.curvature, chain.span.speed], box)
+    steepest = np.maximum(np.abs(curvature[0]), np.abs(curvature[1])) * speed[1]
+    return curvature[0].reshape(m, PARTS).min(axis=1), (steepest.reshape(m, PARTS) * step).sum(axis=1)

@@ -1,0 +1,107 @@
+"""An outline made of features: pieces of curve and the corners between them; g is the signed distance to it."""
+
+from __future__ import annotations
+
+import dataclasses
+from abc import abstractmethod
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gripper.objects.base import Array, Box, Object, chord_tolerance
+from gripper.objects.chain import Chain
+from gripper.objects.closed import check_pieces, check_simple
+from gripper.objects.compiled import PerInstance
+from gripper.objects.concavity import Concavity
+from gripper.objects.formulas import away, corner
+
+HAIR = 1e-15  # of the outline's size
+
+
+@dataclass(frozen=True, kw_only=True)
+class FeatureSurface(Object):
+    """An object whose plugin writes the pieces of its closed outline; g is the exact signed distance.
+
+    shapely's STRtree picks the nearest piece; the formulas of pieces and corners are sympy's.
+
+    Raises
+    ------
+    ValueError
+        The outline crosses or touches itself, or encloses nothing.
+    """
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        names = " and ".join(field.name for field in dataclasses.fields(self))
+        check_pieces(names, self.pieces())
+        check_simple(names, _chain(self).polygon)
+
+    @abstractmethod
+    def pieces(self) -> Array:
+        """Coefficients (m, degree + 1, 2), in m, of the pieces q_i(t) = sum_k c_ik t^k, t in [0, 1].
+
+        Each piece ends where the next begins, the last one where the first does, in either sense.
+        """
+
+    def evaluate(self, points: Array, order: int = 2) -> tuple[Array, ...]:
+        """See `Object.evaluate`."""
+        chain = _chain(self)
+        nearest = chain.nearest(points)
+        values = chain.span.evaluate(points, order, nearest.t, chain.coefficients[nearest.piece])
+        at = nearest.corner >= 0
+        if at.any():
+            i = nearest.corner[at]
+            vertex = chain.vertex[i]
+            sign = np.where(chain.convex_corner[i], 1.0, -1.0)
+            beside = away(points[at], vertex, sign[:, None] * chain.bisector[i], HAIR * chain.size)
+            for value, replacement in zip(values, corner()(beside, order, *vertex.T, sign), strict=True):
+                value[at] = replacement
+        return values
+
+    @property
+    def corners(self) -> Array:
+        """See `Object.corners`."""
+        chain = _chain(self)
+        return chain.vertex[chain.convex_corner]
+
+    @property
+    def corner_normals(self) -> Array:
+        """See `Object.corner_normals`."""
+        chain = _chain(self)
+        return chain.normals[chain.convex_corner]
+
+    def at_corner(self, points: Array) -> NDArray[np.bool_]:
+        """See `Object.at_corner`."""
+        chain = _chain(self)
+        index = chain.nearest(points).corner
+        return (index >= 0) & chain.convex_corner[index]
+
+    def bounds(self, centers: Array, radii: Array) -> tuple[Array, Array]:
+        """See `Object.bounds`: a distance's slope is 1."""
+        g = self.evaluate(centers, 0)[0]
+        return np.ones(len(centers)), _concavity(self).bound(centers, radii, g)
+
+    @property
+    def box(self) -> Box:
+        """See `Object.box`."""
+        return _chain(self).box
+
+    @property
+    def inner_radius(self) -> float:
+        """See `Object.inner_radius`."""
+        return _chain(self).inner_disc[1]
+
+    @property
+    def inner_point(self) -> Array:
+        """See `Object.inner_point`."""
+        return _chain(self).inner_disc[0]
+
+    def outline(self, box: Box | None = None, tolerance: float | None = None) -> list[Array]:
+        """See `Object.outline`."""
+        chain = _chain(self)
+        return [chain.polyline(chord_tolerance(tolerance, chain.size))]
+
+
+_chain: PerInstance[FeatureSurface, Chain] = PerInstance(lambda surface: Chain(surface.pieces()))
+_concavity: PerInstance[FeatureSurface, Concavity] = PerInstance(lambda surface: Concavity(_chain(surface)))

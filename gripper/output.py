@@ -1,0 +1,74 @@
+"""What a run leaves in its folder: result.json, curve.csv and snapshots.png."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from gripper.result import Result
+
+FILES = ("result.json", "curve.csv", "snapshots.png")
+
+
+def prepare(folder: Path) -> None:
+    """Make the folder and see that files can be written there, before anything is solved.
+
+    Raises
+    ------
+    OSError
+        They cannot.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryFile(dir=folder):
+        pass
+    for name in FILES:
+        if (folder / name).is_dir():
+            raise IsADirectoryError(f"a folder in the place of {name}")
+
+
+def write(folder: Path, result: Result) -> tuple[Path, ...]:
+    """Write the files, over those of an earlier run.
+
+    All are complete under other names before the first takes its place: a full disk leaves the earlier ones.
+
+    Returns
+    -------
+    Their paths.
+
+    Raises
+    ------
+    OSError
+        They cannot be written.
+    """
+    table = json.dumps(result.to_dict(), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    contents = (table.encode(), result.curve_csv().encode(), _picture(result))
+    paths = tuple(folder / name for name in FILES)
+    drafts = [folder / f".{name}.{os.getpid()}" for name in FILES]
+    try:
+        for draft, content in zip(drafts, contents, strict=True):
+            draft.write_bytes(content)
+        for draft, path in zip(drafts, paths, strict=True):
+            draft.replace(path)
+    finally:
+        for draft in drafts:
+            draft.unlink(missing_ok=True)
+    return paths
+
+
+def _picture(result: Result) -> bytes:
+    """Draw the snapshots, as PNG; where no pose has an answer, a picture that says so."""
+    from matplotlib.figure import Figure
+
+    if len(result.failed) < len(result.poses):
+        figure = result.plot()
+    else:
+        figure = Figure(figsize=(4, 1))
+        figure.text(0.5, 0.5, "no pose has an answer", ha="center", va="center")
+    data = io.BytesIO()
+    figure.savefig(data, format="png", dpi=150)
+    return data.getvalue()

@@ -1,0 +1,244 @@
+"""The answer for one pose: plain data in SI units, world frame unless named otherwise."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Vector = tuple[float, float]
+Status = Literal["free", "contact", "locked", "failed"]
+
+
+def _check_finite(name: str, value: Any) -> None:
+    for item in value if isinstance(value, tuple) else (value,):
+        if isinstance(item, float) and not math.isfinite(item):
+            raise ValueError(f"{name} must be finite, or None where there is no answer; got {value!r}")
+
+
+def plain(value: Any) -> Any:
+    """Arrays and lists as tuples, numpy's numbers as Python's, so that results compare and become JSON."""
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    return tuple(plain(item) for item in value) if isinstance(value, (list, tuple)) else value
+
+
+class Record:
+    """A frozen record of finite plain numbers."""
+
+    def __post_init__(self) -> None:
+        for field in dataclasses.fields(self):  # type: ignore[arg-type]  # every subclass is a dataclass
+            value = plain(getattr(self, field.name))
+            _check_finite(field.name, value)
+            object.__setattr__(self, field.name, value)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Contact(Record):
+    """One separate contact: resultant forces over its patch.
+
+    Parameters
+    ----------
+    on
+        Where on the finger.
+    s
+        Force-weighted place: arc length from the clamp (on the jaw: along its outline), in m.
+    extent
+        First and last touching s, in m.
+    point
+        The place in the world frame, in m.
+    normal
+        Unit normal out of the object, world frame.
+    normal_force
+        N, on the finger along ``normal``, in N; at least 0.
+    tangential_force
+        T, friction on the object, positive towards the finger's tip, in N.
+    state
+        Whether it sticks or slips.
+    """
+
+    on: Literal["lower", "upper", "tip", "jaw"]
+    s: float
+    extent: Vector
+    point: Vector
+    normal: Vector
+    normal_force: float
+    tangential_force: float = 0.0
+    state: Literal["frictionless", "slip", "stick"] = "frictionless"
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Checks(Record):
+    """What was verified of a pose; all None where it failed.
+
+    Parameters
+    ----------
+    stationarity, force_balance
+        Relative to the total contact force.
+    moment_balance
+        Relative to the total contact force times L.
+    stability
+        Smallest eigenvalue of the reduced Hessian, relative to the strain energy's own; None with friction.
+    penetration_bound
+        Upper bound of the depth over the whole outline, in m, at least 0.
+    certificate
+        "proved", or "sampled" where no bound of grad g is proved.
+    """
+
+    stationarity: float | None = None
+    force_balance: float | None = None
+    moment_balance: float | None = None
+    stability: float | None = None
+    penetration_bound: float | None = None
+    certificate: Literal["proved", "sampled"] | None = None
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class ErrorEstimate(Record):
+    """How far the force may be off, relative; None where not estimated.
+
+    Parameters
+    ----------
+    discretisation
+        From a finer discretisation of the same equations.
+    next_theory
+        From the next richer beam theory.
+    """
+
+    discretisation: float | None = None
+    next_theory: float | None = None
+
+
+def _points(values: ArrayLike) -> NDArray[np.float64]:
+    array = np.array(values, dtype=float)
+    array.setflags(write=False)
+    return array
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
+class Shape:
+    """The outline of a pose in the world frame, for drawing: read-only arrays, in m.
+
+    Parameters
+    ----------
+    axis, lower, upper
+        Neutral axis and both faces, from clamp to tip, (n, 2) each.
+    strain
+        Bending strain of the faces, |kappa| w / 2, (n,).
+    jaw
+        The jaw's polygon, (m, 2), or None.
+    clamp_pose, object_pose
+        x, y (m) and angle (rad).
+    """
+
+    axis: NDArray[np.float64]
+    lower: NDArray[np.float64]
+    upper: NDArray[np.float64]
+    strain: NDArray[np.float64]
+    jaw: NDArray[np.float64] | None = None
+    clamp_pose: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    object_pose: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        for name in ("axis", "lower", "upper", "strain", "jaw"):
+            value = getattr(self, name)
+            object.__setattr__(self, name, None if value is None else _points(value))
+        for name in ("clamp_pose", "object_pose"):
+            object.__setattr__(self, name, plain(getattr(self, name)))
+        expected = (len(self.axis), 2)
+        for name in ("axis", "lower", "upper"):
+            if getattr(self, name).shape != expected:
+                raise ValueError(f"{name} must have shape {expected}, in m; got {getattr(self, name).shape}")
+        if self.strain.shape != expected[:1]:
+            raise ValueError(f"strain must have shape {expected[:1]}; got {self.strain.shape}")
+
+    @property
+    def outline(self) -> NDArray[np.float64]:
+        """The finger's closed outline: lower face, end face, upper face back to the clamp, (2 n, 2), in m."""
+        return np.concatenate([self.lower, self.upper[::-1]])
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class PoseResult(Record):
+    """One pose: SI units, world frame unless named otherwise; every number None where it failed.
+
+    Parameters
+    ----------
+    parameter
+        The motion's parameter; None in a scene without motion.
+    status
+        "free" (no contact), "contact", "locked" (friction holds it for any force) or "failed".
+    reason
+        Why it failed or locked.
+    force_on_object, force_on_object_finger_frame
+        Of the finger on the object, in N: world axes, and axes of the clamp.
+    moment_on_object
+        About the object's reference point, in N m.
+    motion_force
+        Work to be put in per unit of the motion's parameter, in J per unit (N, where the parameter is a length).
+    clamp_moment
+        EI psi'(0), in N m: positive when the object pushes towards the finger's +y.
+    energy
+        Strain energy, in J.
+    tip, tip_rotation
+        Neutral axis at s = L, in m; psi(L) relative to the clamp, in rad.
+    max_strain
+        Largest abs(eps) + abs(kappa) w / 2.
+    min_gap
+        Smallest distance of the outlines, in m; negative: depth.
+    contacts
+        One entry a separate contact, ordered by s.
+    checks, error
+        What was verified, and how far the force may be off.
+    iterations
+        Of the solver.
+    seconds
+        CPU time of the pose with its checks and estimates.
+    shape
+        For drawing; None where it failed.
+    """
+
+    parameter: float | None
+    status: Status
+    reason: str | None = None
+    force_on_object: Vector | None = None
+    force_on_object_finger_frame: Vector | None = None
+    moment_on_object: float | None = None
+    motion_force: float | None = None
+    clamp_moment: float | None = None
+    energy: float | None = None
+    tip: Vector | None = None
+    tip_rotation: float | None = None
+    max_strain: float | None = None
+    min_gap: float | None = None
+    contacts: tuple[Contact, ...] = ()
+    checks: Checks = Checks()
+    error: ErrorEstimate = ErrorEstimate()
+    iterations: int = 0
+    seconds: float = 0.0
+    shape: Shape | None = dataclasses.field(default=None, compare=False, repr=False)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.status == "failed" and not self.reason:
+            raise ValueError(f"reason must say why the pose failed; got {self.reason!r}")
+
+    @classmethod
+    def failed(cls, parameter: float | None, reason: str, iterations: int = 0, seconds: float = 0.0) -> PoseResult:
+        """Make a pose without an answer: no number but its place, the effort spent, and why."""
+        return cls(parameter=parameter, status="failed", reason=reason, iterations=iterations, seconds=seconds)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data, ready for JSON; the shape, which is for drawing, is left out."""
+        written = (field.name for field in dataclasses.fields(self) if field.name != "shape")
+        return {name: jsonable(getattr(self, name)) for name in written}
+
+
+def jsonable(value: Any) -> Any:
+    """Write records as dictionaries and tuples as lists."""
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        return {field.name: jsonable(getattr(value, field.name)) for field in dataclasses.fields(value)}
+    return [jsonable(item) for item in value] if isinstance(value, (list, tuple)) else value

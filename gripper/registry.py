@@ -1,0 +1,162 @@
+"""What is installed: plugins by their entry points, listed without importing any of them."""
+
+from __future__ import annotations
+
+import dataclasses
+import inspect
+import pkgutil
+from importlib.metadata import EntryPoint, entry_points
+from typing import Any
+
+from gripper.names import known_names
+
+
+class PluginError(RuntimeError):
+    """A plugin is installed but cannot be used; ``reason`` says why, without its name."""
+
+    def __init__(self, plugin: str, reason: str) -> None:
+        super().__init__(f"{plugin} cannot be used: {reason}")
+        self.reason = reason
+
+
+@dataclasses.dataclass(frozen=True, order=True)
+class Record:
+    """One entry point.
+
+    Parameters
+    ----------
+    group
+        gripper.objects, gripper.fingers or gripper.jaws.
+    name
+        As a scene file writes it.
+    distribution, version
+        Of the package that offers it.
+    target
+        ``module:class``.
+    """
+
+    group: str
+    name: str
+    distribution: str
+    version: str
+    target: str
+
+    @property
+    def kind(self) -> str:
+        """Object, finger or jaw, in lower case."""
+        return _KINDS[self.group].word
+
+    def __str__(self) -> str:
+        return f"{self.kind} {self.name!r} of {self.distribution} {self.version} ({self.target})"
+
+
+@dataclasses.dataclass(frozen=True)
+class _Kind:
+    word: str
+    base: str
+    keys: frozenset[str]
+    """Keys of its table in a scene file that are not its own fields."""
+
+
+_KINDS = {
+    "gripper.objects": _Kind("object", "gripper.objects:Object", frozenset({"surface", "pose"})),
+    "gripper.fingers": _Kind("finger", "gripper.fingers:Finger", frozenset({"profile", "pose", "base"})),
+    "gripper.jaws": _Kind("jaw", "gripper.fingers:Jaw", frozenset({"shape"})),
+}
+GROUPS = tuple(_KINDS)
+"""The groups of entry points, in which anyone can offer plugins."""
+
+
+def installed(group: str) -> list[Record]:
+    """List the plugins of a group, by name, without importing them.
+
+    Raises
+    ------
+    LookupError
+        No such group.
+    """
+    if group not in _KINDS:
+        raise LookupError(f"unknown group {group!r}; known: {known_names(group, GROUPS)}")
+    return sorted({_record(point) for point in entry_points(group=group)})
+
+
+def load(group: str, name: str) -> type[Any]:
+    """Import a plugin.
+
+    Parameters
+    ----------
+    group
+        gripper.objects, gripper.fingers or gripper.jaws.
+    name
+        As a scene file writes it.
+
+    Returns
+    -------
+    type
+        A frozen dataclass, a subclass of the group's base.
+
+    Raises
+    ------
+    LookupError
+        No such group or name; lists the known ones.
+    PluginError
+        It cannot be imported, is not what the group asks for, or two distributions offer the name.
+    """
+    records = installed(group)
+    found = [record for record in records if record.name == name]
+    if not found:
+        known = known_names(name, dict.fromkeys(record.name for record in records))
+        raise LookupError(f"unknown {_KINDS[group].word} {name!r}; known: {known}")
+    return _loaded(found)
+
+
+def check(record: Record) -> str | None:
+    """Tell why a plugin cannot be used; None where it can."""
+    same = [other for other in installed(record.group) if other.name == record.name]
+    try:
+        _loaded(same or [record])
+    except PluginError as error:
+        return error.reason
+    return None
+
+
+def _record(point: EntryPoint) -> Record:
+    distribution, version = (point.dist.name, point.dist.version) if point.dist else ("unknown", "unknown")
+    return Record(point.group, point.name, str(distribution), str(version), point.value)
+
+
+def _loaded(found: list[Record]) -> type[Any]:
+    if len(found) > 1:
+        offers = " and ".join(f"{record.distribution} {record.version} ({record.target})" for record in found)
+        raise PluginError(f"{found[0].kind} {found[0].name!r}", f"offered more than once, by {offers}: uninstall one")
+    cls = _imported(found[0])
+    reason = _unfit(cls, _KINDS[found[0].group])
+    if reason:
+        raise PluginError(str(found[0]), reason)
+    return cls  # type: ignore[no-any-return]  # _unfit has checked that it is a class
+
+
+def _imported(record: Record) -> Any:
+    try:
+        return EntryPoint(record.name, record.target, record.group).load()
+    except (Exception, SystemExit) as error:  # a stranger's module may raise anything; it is kept as the cause
+        message = " ".join(str(error).split())
+        raise PluginError(str(record), f"its import fails with {type(error).__name__}: {message}") from error
+
+
+def _unfit(cls: Any, kind: _Kind) -> str | None:
+    """Tell what keeps a class from being a plugin of this kind; None where nothing does."""
+    base: type[Any] = pkgutil.resolve_name(kind.base)
+    if not inspect.isclass(cls):
+        return f"it must be a class; got {type(cls).__name__}"
+    if not issubclass(cls, base):
+        return f"it must be a subclass of {kind.base.replace(':', '.')}; got {cls.__name__}"
+    own = vars(cls)  # a base's fields do not make its subclass a dataclass
+    if "__dataclass_fields__" not in own or not own["__dataclass_params__"].frozen:
+        return f"it must be a frozen dataclass; got {cls.__name__}"
+    if own["__abstractmethods__"]:
+        return f"it must write {', '.join(sorted(own['__abstractmethods__']))}; got none"
+    clash = sorted(kind.keys.intersection(own["__dataclass_fields__"]))
+    if clash:
+        return f"its fields must have other names than the scene file's own keys; got {', '.join(clash)}"
+    return None

@@ -1,0 +1,172 @@
+"""A result as text, HTML and CSV. Reads results only by their public names."""
+
+from __future__ import annotations
+
+import csv
+import html
+import io
+import math
+import textwrap
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from gripper.result import Checks, Contact, PoseResult, Result
+
+WIDTH = 100
+"""Columns of a screen."""
+MOST_ROWS = 20
+"""Poses in a table; of a longer motion the table shows its ends, events and extremes."""
+_MOST_LINES = 8
+_HEADER = ("pose", "status", "Fx (N)", "Fy (N)", "clamp (N m)", "energy (J)", "strain", "gap (m)", "contacts")
+
+
+def as_csv(result: Result) -> str:
+    """Write one row a pose, units in the column names, empty cells where a pose failed."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    forces = ["force_on_object_x_N", "force_on_object_y_N", "motion_force", "clamp_moment_Nm", "energy_J"]
+    shape = ["tip_x_m", "tip_y_m", "tip_rotation_rad", "max_strain", "min_gap_m", "contacts"]
+    writer.writerow(["pose", result.parameter or "parameter", "status", *forces, *shape])
+    writer.writerows(_csv_row(i, pose) for i, pose in enumerate(result.poses))
+    return text.getvalue()
+
+
+def _csv_row(i: int, pose: PoseResult) -> list[Any]:
+    force, tip = pose.force_on_object or (None, None), pose.tip or (None, None)
+    contacts = None if pose.status == "failed" else len(pose.contacts)
+    forces = [*force, pose.motion_force, pose.clamp_moment, pose.energy]
+    return [i, pose.parameter, pose.status, *forces, *tip, pose.tip_rotation, pose.max_strain, pose.min_gap, contacts]
+
+
+def _number(value: float | None) -> str:
+    return "" if value is None else f"{value:.4g}"
+
+
+def _where(contact: Contact) -> str:
+    return f"{contact.on} {contact.s:.4g}"
+
+
+def _cells(i: int, pose: PoseResult, parameter: str | None) -> list[str]:
+    force = pose.force_on_object or (None, None)
+    numbers = (*force, pose.clamp_moment, pose.energy, pose.max_strain, pose.min_gap)
+    place = [_number(pose.parameter and round(pose.parameter, 12) + 0.0)] if parameter else []
+    contacts = ", ".join(_where(contact) for contact in pose.contacts)
+    return [str(i), *place, pose.status, *(_number(number) for number in numbers), contacts]
+
+
+def _header(result: Result) -> list[str]:
+    return [_HEADER[0], *([result.parameter] if result.parameter else []), *_HEADER[1:]]
+
+
+def _force(pose: PoseResult) -> float:
+    return math.hypot(*pose.force_on_object) if pose.force_on_object else 0.0
+
+
+def _telling(poses: Sequence[PoseResult]) -> list[int]:
+    """Choose which poses of a long motion a table shows: ends, extremes, changes of status, some between."""
+    numbers = range(len(poses))
+    changes = {i for i in numbers[1:] if poses[i].status != poses[i - 1].status}
+    extremes = {max(numbers, key=lambda i: _force(poses[i])), max(numbers, key=lambda i: poses[i].max_strain or 0.0)}
+    spread = {round(i * numbers[-1] / 6) for i in range(7)}
+    return sorted(spread | extremes | set(sorted(changes | {i - 1 for i in changes})[: MOST_ROWS - 10]))
+
+
+def _rows(result: Result) -> list[list[str]]:
+    """Build the table's rows; one of a single ellipsis stands for the poses between."""
+    poses = result.poses
+    shown = list(range(len(poses))) if len(poses) <= MOST_ROWS else _telling(poses)
+    rows: list[list[str]] = []
+    for before, i in zip([-1, *shown], shown, strict=False):
+        rows += [["..."]] if i > before + 1 else []
+        rows.append(_cells(i, poses[i], result.parameter))
+    return rows
+
+
+def _table(result: Result) -> list[str]:
+    header, rows = _header(result), _rows(result)
+    full = [row for row in (header, *rows) if len(row) > 1]
+    widths = [max(len(row[column]) for row in full) for column in range(len(header))]
+    lines = ("  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=False)) for row in (header, *rows))
+    return [line.rstrip() for line in lines]
+
+
+def _contact(contact: Contact) -> str:
+    extent = f"{contact.extent[0]:.6g} to {contact.extent[1]:.6g}"
+    forces = f"N = {contact.normal_force:.6g} N, T = {contact.tangential_force:.6g} N"
+    return f"{contact.on}, s = {contact.s:.6g} m ({extent}): {forces}, {contact.state}"
+
+
+def _checks(checks: Checks) -> str:
+    names = ("stationarity", "force_balance", "moment_balance", "stability")
+    values = [f"{name.replace('_', ' ')} {_number(getattr(checks, name)) or 'none'}" for name in names]
+    return f"{', '.join(values)}, penetration at most {_number(checks.penetration_bound)} m ({checks.certificate})"
+
+
+def _details(pose: PoseResult) -> list[str]:
+    """Say what there is to say of a single pose."""
+    if pose.status == "failed":
+        return []
+    error = ", ".join(f"{name} {_number(value)}" for name, value in _errors(pose) if value is not None)
+    lines = [f"contact: {_contact(contact)}" for contact in pose.contacts]
+    return [*lines, f"checks: {_checks(pose.checks)}", f"relative error of the force: {error or 'not estimated'}"]
+
+
+def _errors(pose: PoseResult) -> list[tuple[str, float | None]]:
+    return [("discretisation", pose.error.discretisation), ("next theory", pose.error.next_theory)]
+
+
+def _capped(lines: list[str], what: str) -> list[str]:
+    more = len(lines) - _MOST_LINES
+    return lines if more <= 0 else [*lines[:_MOST_LINES], f"... and {more} more {what}"]
+
+
+def _events(result: Result) -> list[str]:
+    name = result.parameter or "parameter"
+    lines = [
+        f"{event.kind} at {name} = {event.parameter:.6g}{event.detail and f' ({event.detail})'}"
+        for event in result.events
+    ]
+    return _capped(lines, "events")
+
+
+def _failures(result: Result) -> list[str]:
+    failed = [(i, pose) for i, pose in enumerate(result.poses) if pose.status == "failed"]
+    if not failed:
+        return []
+    lines = _capped([f"  pose {i}: {pose.reason}" for i, pose in failed], "failed poses")
+    return [f"WARNING: {len(failed)} of {len(result.poses)} poses failed", *lines]
+
+
+def _model(result: Result) -> list[str]:
+    model = result.model
+    lines = [f"theory: {model.theory}"]
+    lines += [f"left out: {part.what} ({part.why})" for part in model.left_out]
+    return lines + ([f"not modelled: {', '.join(model.not_modelled)}"] if model.not_modelled else [])
+
+
+def _wrapped(lines: list[str]) -> list[str]:
+    return [piece for line in lines for piece in textwrap.wrap(line, WIDTH, subsequent_indent="  ")]
+
+
+def as_text(result: Result) -> str:
+    """Fill one screen: title, model, table of poses, events, the details of a single pose, failures."""
+    blocks = [
+        _wrapped([result.title] if result.title else []) + _wrapped(_model(result)),
+        _table(result),
+        _wrapped(_events(result)),
+        _wrapped(_details(result.poses[0])) if len(result.poses) == 1 else [],
+        _wrapped(_failures(result)),
+    ]
+    return "\n\n".join("\n".join(block) for block in blocks if block)
+
+
+def as_html(result: Result) -> str:
+    """Write the same as a compact table for notebooks; every text escaped."""
+    header = "".join(f"<th>{html.escape(cell)}</th>" for cell in _header(result))
+    rows = ("".join(f"<td>{html.escape(cell)}</td>" for cell in row) for row in _rows(result))
+    body = "".join(f"<tr>{row}</tr>" for row in rows)
+    details = _details(result.poses[0]) if len(result.poses) == 1 else []
+    notes = [*_model(result), *_events(result), *details, *_failures(result)]
+    text = "".join(f"<div>{html.escape(note)}</div>" for note in notes)
+    return f"<div><b>{html.escape(result.title)}</b><table><tr>{header}</tr>{body}</table>{text}</div>"

@@ -1,0 +1,196 @@
+"""The answer: plain data. Knows nothing of how it was found; writes itself as JSON, CSV and text."""
+
+from __future__ import annotations
+
+import dataclasses
+from importlib.metadata import version
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
+
+from gripper import report
+from gripper.describe import describe
+from gripper.pose_result import Checks, Contact, ErrorEstimate, PoseResult, Record, Shape, Status, Vector, jsonable
+from gripper.scene import Scene
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = [
+    "Checks",
+    "Contact",
+    "ErrorEstimate",
+    "Event",
+    "LeftOut",
+    "Model",
+    "PoseResult",
+    "Result",
+    "Shape",
+    "Status",
+    "Vector",
+]
+
+SCHEMA = 1
+EventKind = Literal["touch", "release", "change", "stick", "slip", "snap"]
+_PACKAGES = ("gripper", "numpy", "scipy", "sympy")
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Event(Record):
+    """Something that changed along the motion.
+
+    Parameters
+    ----------
+    parameter
+        Where, in the motion's parameter.
+    kind
+        touch, release, change (of face, corner or edge), stick, slip or snap.
+    detail
+        In words.
+    """
+
+    parameter: float
+    kind: EventKind
+    detail: str = ""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class LeftOut:
+    """A part of the model that this scene did not need: what, and why."""
+
+    what: str
+    why: str
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Model:
+    """What was solved: the beam theory, what was left out of it and why, what no theory here holds."""
+
+    theory: str
+    left_out: tuple[LeftOut, ...] = ()
+    not_modelled: tuple[str, ...] = ()
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Result:
+    """Every pose of a scene.
+
+    Parameters
+    ----------
+    scene
+        What was given.
+    model
+        What was solved.
+    poses
+        One entry a pose, in the motion's order.
+    events
+        In the motion's order.
+    title
+        For figures and reports; the scene's by default.
+
+    A result of one pose gives that pose's numbers itself: ``result.force_on_object`` is
+    ``result.poses[0].force_on_object``. Where there are several poses, or the only one failed, these raise
+    ValueError.
+    """
+
+    scene: Scene
+    model: Model
+    poses: tuple[PoseResult, ...]
+    events: tuple[Event, ...] = ()
+    title: str = ""
+
+    def __post_init__(self) -> None:
+        if not self.poses:
+            raise ValueError("poses must hold at least one pose; got none")
+        object.__setattr__(self, "poses", tuple(self.poses))
+        object.__setattr__(self, "events", tuple(self.events))
+        object.__setattr__(self, "title", self.title or self.scene.title)
+
+    @property
+    def parameter(self) -> str | None:
+        """The name of the motion's parameter; None in a scene without motion."""
+        return self.scene.motion.parameter if self.scene.motion else None
+
+    @property
+    def failed(self) -> tuple[PoseResult, ...]:
+        """The poses without an answer."""
+        return tuple(pose for pose in self.poses if pose.status == "failed")
+
+    @property
+    def pose(self) -> PoseResult:
+        """The only pose; ValueError where there are several or where it failed."""
+        if len(self.poses) > 1:
+            raise ValueError(f"this result holds {len(self.poses)} poses: use result.poses[i]; got no i")
+        if self.poses[0].status == "failed":
+            raise ValueError(f"the pose has no answer: {self.poses[0].reason}")
+        return self.poses[0]
+
+    @property
+    def force_on_object(self) -> Vector:
+        """Force of the finger on the object, in N, world frame (one pose)."""
+        return _known(self.pose.force_on_object)
+
+    @property
+    def moment_on_object(self) -> float:
+        """Moment about the object's reference point, in N m (one pose)."""
+        return _known(self.pose.moment_on_object)
+
+    @property
+    def clamp_moment(self) -> float:
+        """EI psi'(0), in N m (one pose)."""
+        return _known(self.pose.clamp_moment)
+
+    @property
+    def energy(self) -> float:
+        """Strain energy, in J (one pose)."""
+        return _known(self.pose.energy)
+
+    @property
+    def tip(self) -> Vector:
+        """Neutral axis at s = L, in m, world frame (one pose)."""
+        return _known(self.pose.tip)
+
+    @property
+    def max_strain(self) -> float:
+        """Largest strain (one pose)."""
+        return _known(self.pose.max_strain)
+
+    @property
+    def contacts(self) -> tuple[Contact, ...]:
+        """The contacts, ordered by s (one pose)."""
+        return self.pose.contacts
+
+    def to_dict(self) -> dict[str, Any]:
+        """Write the contents of result.json: SI units, None where there is no answer, never NaN."""
+        return {
+            "schema": SCHEMA,
+            "title": self.title,
+            "scene": describe(self.scene),
+            "versions": {name: version(name) for name in _PACKAGES},
+            "model": jsonable(self.model),
+            "poses": [pose.to_dict() for pose in self.poses],
+            "events": jsonable(self.events),
+        }
+
+    def curve_csv(self) -> str:
+        """Write the contents of curve.csv: one row a pose, units in the column names, empty cells where it failed."""
+        return report.as_csv(self)
+
+    def plot(self) -> Figure:
+        """Draw it: one pose, or snapshots of the motion. Needs matplotlib, headless or not."""
+        import gripper.plot as drawing  # here, so that `import gripper` does not load matplotlib
+
+        return drawing.snapshots(self)
+
+    def __str__(self) -> str:
+        return report.as_text(self)
+
+    def _repr_html_(self) -> str:
+        return report.as_html(self)
+
+
+Value = TypeVar("Value")
+
+
+def _known(value: Value | None) -> Value:
+    if value is None:
+        raise ValueError("the pose has no such number: friction locks it")
+    return value

@@ -1,0 +1,96 @@
+"""The scene: what is given. Plain data that knows nothing of how it is solved."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+from gripper.fields import Finite, Point, Positive, check_fields
+from gripper.fingers import Finger
+from gripper.objects import Object
+from gripper.pose import Placed, placed
+
+Theory = Literal["auto", "bending", "shear"]
+MOST_POSES = 1_000_000
+
+
+@dataclass(frozen=True)
+class Motion:
+    """The poses of a motion: the parameter's name and its values, in the order in which they are passed.
+
+    Parameters
+    ----------
+    parameter
+        Name of the symbol in the poses' expressions.
+    values
+        Its values, one a pose.
+    """
+
+    parameter: str
+    values: tuple[Finite, ...]
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        if not 1 <= len(self.values) <= MOST_POSES:
+            raise ValueError(f"values must hold 1 to {MOST_POSES} poses; got {len(self.values)}")
+
+    @classmethod
+    def between(cls, parameter: str, start: float, stop: float, poses: int, *, back: bool = False) -> Motion:
+        """Equally spaced poses from start to stop, both included; ``back`` returns the same way (turning pose once)."""
+        if not 2 <= poses <= MOST_POSES:
+            raise ValueError(f"poses must lie between 2 and {MOST_POSES}; got {poses!r}")
+        if not (math.isfinite(start) and math.isfinite(stop) and start != stop):
+            raise ValueError(f"from and to must be two different finite numbers; got {start!r} and {stop!r}")
+        values = [start + (stop - start) * i / (poses - 1) for i in range(poses - 1)] + [stop]
+        return cls(parameter, tuple(values + values[-2::-1] if back else values))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scene:
+    """A finger, an object, and where they are.
+
+    Parameters
+    ----------
+    finger, object
+        A body, or a body placed by ``.at(x=..., y=..., angle=...)``.
+    motion
+        The poses to pass; None for a scene of one pose.
+    approach
+        Direction, in the finger frame, along which the object comes from where it is free (for a scene of one
+        pose, and for a motion that starts in contact); by default from below, on to the lower face.
+    theory
+        "bending", "shear" (Timoshenko's sections, inextensible axis: the paper's), or "auto".
+    tolerance
+        Asked relative discretisation error of the contact force.
+    title
+        For figures and reports.
+    """
+
+    finger: Placed[Finger] | Finger
+    object: Placed[Object] | Object
+    motion: Motion | None = None
+    approach: Point = (0.0, 1.0)
+    theory: Theory = "auto"
+    tolerance: Positive = 1e-4
+    title: str = ""
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        if self.theory not in get_args(Theory):
+            raise ValueError(f"theory must be one of {', '.join(get_args(Theory))}; got {self.theory!r}")
+        if not 1e-12 <= self.tolerance <= 0.1:
+            raise ValueError(f"tolerance must lie between 1e-12 and 0.1; got {self.tolerance!r}")
+        if math.hypot(*self.approach) == 0:
+            raise ValueError(f"approach must be a direction other than (0, 0); got {self.approach!r}")
+        known = {self.motion.parameter} if self.motion else set()
+        for name in ("finger", "object"):
+            unknown = {symbol.name for symbol in placed(getattr(self, name)).pose.parameters} - known
+            if unknown:
+                parameter = (
+                    f"the motion's parameter {self.motion.parameter!r}" if self.motion else "no symbol (no motion)"
+                )
+                raise ValueError(
+                    f"the pose of the {name} must depend on {parameter}; got {', '.join(sorted(unknown))!r}"
+                )

@@ -1,0 +1,73 @@
+"""Scene files: TOML in SI units, where a string may stand for a number, to scenes and back."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from gripper.describe import describe as resolved
+from gripper.scene import Scene
+from gripper.scenefile import sections, toml
+from gripper.scenefile.place import Place, SceneFileError
+
+__all__ = ["SceneFileError", "dumps", "loads", "read", "resolved"]
+
+LARGEST_FILE = 50_000_000
+"""Bytes; a scene of a million listed poses has 20 million."""
+
+
+def read(path: str | os.PathLike[str]) -> Scene:
+    """Read a scene file.
+
+    Parameters
+    ----------
+    path
+        Of a TOML file, in UTF-8.
+
+    Raises
+    ------
+    SceneFileError
+        The file cannot be read, or breaks a rule: one line with file, key, rule and the value got.
+    """
+    place = Place(os.fspath(path))
+    try:
+        with Path(path).open("rb") as file:
+            data = file.read(LARGEST_FILE + 1)
+    except (OSError, ValueError) as error:  # ValueError: no path can hold a null character
+        raise place.error("must be a file that can be read", getattr(error, "strerror", None) or str(error)) from None
+    if len(data) > LARGEST_FILE:
+        raise place.error(f"must have at most {LARGEST_FILE} bytes", "more")
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise place.error("must be UTF-8", f"byte 0x{data[error.start]:02x} in line {line}") from None
+    return loads(text, place.file)
+
+
+def loads(text: str, name: str = "scene") -> Scene:
+    """Read the text of a scene file.
+
+    Parameters
+    ----------
+    text
+        TOML.
+    name
+        What errors call it.
+
+    Raises
+    ------
+    SceneFileError
+        It breaks a rule: one line with name, key, rule and the value got.
+    """
+    place = Place(name)
+    return sections.scene(toml.tables(text, place), place)
+
+
+def dumps(scene: Scene) -> str:
+    """Write a scene as the text of a scene file: SI units, defaults filled in, motions as lists of values.
+
+    Reading it back gives the same scene, whose parts all have poses and whose material has its shear modulus.
+    Plugins must be registered, as ``gripper plugins`` lists them: a class without a name reads back as an error.
+    """
+    return toml.written(resolved(scene))

@@ -1,0 +1,181 @@
+"""The tables of a scene file, one function each, and the scene that they make."""
+
+from __future__ import annotations
+
+from typing import Any, get_args
+
+import sympy
+
+from gripper.expression import is_name, is_reserved
+from gripper.fields import Point
+from gripper.fingers import Finger, Jaw, Material
+from gripper.objects import Object
+from gripper.pose import Placed, Pose
+from gripper.registry import PluginError, installed, load
+from gripper.scene import MOST_POSES, Motion, Scene, Theory
+from gripper.scenefile.place import (
+    Place,
+    SceneFileError,
+    Table,
+    as_table,
+    check_given,
+    check_keys,
+    check_unreserved,
+    shown,
+)
+from gripper.scenefile.tables import build
+from gripper.scenefile.values import converted, read_count, read_expression, read_number
+
+_KEYS = ("title", "material", "finger", "object", "motion", "approach", "friction", "solver")
+_NOT_BUILT = "reserved for a feature that is not built yet"
+_RESERVED = {"limits": _NOT_BUILT, "loads": _NOT_BUILT, "tolerance": f"{_NOT_BUILT}; the solver's is solver.tolerance"}
+_SCENE_FIELDS = {"theory": "solver.theory", "tolerance": "solver.tolerance", "approach": "approach.direction"}
+_SPAN = ("from", "to", "poses")
+
+Names = tuple[str, ...]
+
+
+def scene(tables: Table, place: Place) -> Scene:
+    """Make the scene of a file's tables."""
+    check_unreserved(tables, _RESERVED, place)
+    check_keys(tables, _KEYS, place)
+    check_given(tables, ("material", "finger", "object"), place)
+    motion = _motion(*_section(tables, "motion", place)) if "motion" in tables else None
+    names = (motion.parameter,) if motion else ()
+    _check_friction(*_section(tables, "friction", place), motion)
+    material = build(Material, *_section(tables, "material", place))
+    finger = _finger(tables["finger"], place.at("finger"), material, names)
+    target = _object(*_section(tables, "object", place), names)
+    optional = _approach(*_section(tables, "approach", place)) | _solver(*_section(tables, "solver", place))
+    try:
+        return Scene(finger=finger, object=target, motion=motion, title=_title(tables, place), **optional)
+    except ValueError as error:
+        raise place.broken(error, _SCENE_FIELDS) from None
+
+
+def _section(tables: Table, key: str, place: Place) -> tuple[Table, Place]:
+    """Give a table, empty where it is left out, and its place."""
+    return as_table(tables.get(key, {}), place.at(key)), place.at(key)
+
+
+def _title(tables: Table, place: Place) -> str:
+    title = tables.get("title", "")
+    if not isinstance(title, str):
+        raise place.at("title").error("must be a text", shown(title))
+    return title
+
+
+def _choice(table: Table, key: str, choices: tuple[str, ...], place: Place) -> Any:
+    """Read a key that is one of a few words; None where it is left out."""
+    value = table.get(key)
+    if key in table and value not in choices:
+        raise place.at(key).error(f"must be one of {', '.join(choices)}", shown(value))
+    return value
+
+
+def _plugin(group: str, key: str, table: Table, place: Place) -> type[Any]:
+    """Load the plugin that a table names."""
+    name = table.get(key)
+    if not isinstance(name, str):
+        known = ", ".join(dict.fromkeys(record.name for record in installed(group)))
+        raise place.at(key).error(f"must be one of {known}", shown(name) if key in table else "nothing")
+    try:
+        return load(group, name)
+    except (LookupError, PluginError) as error:
+        raise place.at(key).error(f"must be a plugin that works ({error})", shown(name)) from error
+
+
+def _finger(value: Any, place: Place, material: Material, names: Names) -> Placed[Finger]:
+    if isinstance(value, list):
+        raise place.error("must be one table, [finger] (several fingers are not built yet)", f"{len(value)} of them")
+    table = as_table(value, place)
+    check_unreserved(table, {"base": _NOT_BUILT}, place)
+    cls: type[Finger] = _plugin("gripper.fingers", "profile", table, place)
+    jaw = _jaw(*_section(table, "jaw", place)) if "jaw" in table else None
+    pose = _pose(*_section(table, "pose", place), names)
+    made = {"material": material, "jaw": jaw}
+    return Placed(build(cls, table, place, made, ("profile", "pose", "jaw")), pose)
+
+
+def _jaw(table: Table, place: Place) -> Jaw:
+    cls: type[Jaw] = _plugin("gripper.jaws", "shape", table, place)
+    return build(cls, table, place, other=("shape",))
+
+
+def _object(table: Table, place: Place, names: Names) -> Placed[Object]:
+    cls: type[Object] = _plugin("gripper.objects", "surface", table, place)
+    pose = _pose(*_section(table, "pose", place), names)
+    return Placed(build(cls, table, place, other=("surface", "pose")), pose)
+
+
+def _pose(table: Table, place: Place, names: Names) -> Pose:
+    check_keys(table, ("x", "y", "angle"), place)
+    return Pose(**{key: read_expression(value, names, place.at(key)) for key, value in table.items()})
+
+
+def _motion(table: Table, place: Place) -> Motion:
+    check_keys(table, ("parameter", *_SPAN, "values", "back"), place)
+    check_given(table, ("parameter", "values") if "values" in table else ("parameter", *_SPAN), place)
+    if "values" in table and not table.keys().isdisjoint(_SPAN):
+        raise place.error("must have either values, or from, to and poses", ", ".join(table))
+    parameter, back = table["parameter"], table.get("back", False)
+    if not (isinstance(parameter, str) and is_name(parameter) and not is_reserved(parameter)):
+        rule = "must be a name of letters, digits and _, and no unit, function, pi, x, y or s"
+        raise place.at("parameter").error(rule, shown(parameter))
+    if not isinstance(back, bool):
+        raise place.at("back").error("must be true or false", shown(back))
+    try:
+        if "values" in table:
+            values = converted(tuple[float, ...], table["values"], place.at("values"))
+            return Motion(parameter, values + values[-2::-1] if back else values)
+        start, stop = (read_number(table[key], place.at(key)) for key in ("from", "to"))
+        poses = read_count(table["poses"], place.at("poses"))
+        if 2 * poses > MOST_POSES and back:
+            raise place.at("poses").error(f"must be at most {MOST_POSES // 2} with back = true", str(poses))
+        return Motion.between(parameter, start, stop, poses, back=back)
+    except SceneFileError:
+        raise
+    except ValueError as error:
+        raise place.broken(error, {key: key for key in table}) from None
+
+
+def _approach(table: Table, place: Place) -> Table:
+    check_keys(table, ("direction",), place)
+    return {"approach": converted(Point, table["direction"], place.at("direction"))} if table else {}
+
+
+def _solver(table: Table, place: Place) -> Table:
+    check_keys(table, ("theory", "tolerance"), place)
+    if table.get("theory") == "stretch":
+        rule = f"must be one of {', '.join(get_args(Theory))} (stretch is not built yet)"
+        raise place.at("theory").error(rule, "'stretch'")
+    _choice(table, "theory", get_args(Theory), place)
+    numbers = {key: read_number(table[key], place.at(key)) for key in table if key == "tolerance"}
+    return table | numbers
+
+
+def _check_friction(table: Table, place: Place, motion: Motion | None) -> None:
+    """Check the table's shape; until friction in equilibrium is built, only a coefficient of 0 passes."""
+    if not table:
+        return
+    check_keys(table, ("coefficient", "model", "sense"), place)
+    check_given(table, ("coefficient",), place)
+    model = _choice(table, "model", ("coulomb", "published"), place)
+    sense = _choice(table, "sense", ("tipward", "baseward"), place)
+    if sense and motion and model != "published":
+        raise place.at("sense").error("must be left out: in a motion, the coulomb model finds it", shown(sense))
+    at = place.at("coefficient")
+    given = table["coefficient"]
+    for coefficient in _coefficients(given, at):
+        if not isinstance(coefficient, sympy.Expr) and coefficient < 0:
+            raise at.error("must be at least 0", shown(given))
+        if coefficient != 0:
+            raise at.error("must be 0: friction in equilibrium is not built yet", shown(given))
+
+
+def _coefficients(value: Any, place: Place) -> list[float | sympy.Expr]:
+    if not isinstance(value, dict):
+        return [read_expression(value, ("s",), place)]
+    check_keys(value, ("finger", "jaw"), place)
+    check_given(value, ("finger", "jaw"), place)
+    return [read_expression(value["finger"], ("s",), place.at("finger")), read_number(value["jaw"], place.at("jaw"))]

@@ -1,0 +1,100 @@
+"""From what TOML gives to what a field asks for: text becomes numbers and expressions, arrays become tuples."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Collection
+from types import UnionType
+from typing import Annotated, Any, Union, get_args, get_origin
+
+import sympy
+
+from gripper.expression import number, parse
+from gripper.fields import Variables
+from gripper.scenefile.place import Place, shown
+
+
+def read_number(value: Any, place: Place) -> float:
+    """Read a number, or an expression in a string."""
+    if isinstance(value, str):
+        return float(_computed(value, place, number))
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise place.error("must be a number, or an expression in a string", shown(value))
+    try:
+        result = float(value)
+    except OverflowError:
+        result = math.inf
+    if not math.isfinite(result):
+        raise place.error("must be a finite number", shown(value))
+    return result
+
+
+def read_count(value: Any, place: Place) -> int:
+    """Read a whole number."""
+    count = read_number(value, place)
+    if not count.is_integer():
+        raise place.error("must be a whole number", shown(value))
+    return int(count)
+
+
+def read_expression(value: Any, names: Collection[str], place: Place) -> float | sympy.Expr:
+    """Read a number, or an expression that may hold these symbols; a number where it holds none."""
+    if not isinstance(value, str):
+        return read_number(value, place)
+    expression = _computed(value, place, lambda text: parse(text, names))
+    return expression if expression.free_symbols else float(expression)
+
+
+def _computed(text: str, place: Place, compute: Callable[[str], Any]) -> Any:
+    try:
+        return compute(text)
+    except ValueError as error:
+        raise place.broken(error) from None
+
+
+def converted(annotation: Any, value: Any, place: Place) -> Any:
+    """Turn what TOML gave into what an annotation asks for: expressions, numbers and tuples of them.
+
+    What is no number passes as it is: pydantic judges it.
+    """
+    origin, arguments = get_origin(annotation), get_args(annotation)
+    if origin is Annotated:
+        variables = next((item for item in arguments[1:] if isinstance(item, Variables)), None)
+        return (
+            converted(arguments[0], value, place) if variables is None else _text(arguments[0], value, variables, place)
+        )
+    if origin in (Union, UnionType):
+        return _one_of(arguments, value, place)
+    if origin is tuple:
+        return _tuple(arguments, value, place)
+    if annotation is float:
+        return read_number(value, place)
+    return read_count(value, place) if annotation is int else value
+
+
+def _text(annotation: Any, value: Any, variables: Variables, place: Place) -> Any:
+    if float in get_args(annotation):
+        return read_expression(value, variables.names, place)
+    if not isinstance(value, str):
+        raise place.error(f"must be an expression in {' and '.join(variables.names)}, in a string", shown(value))
+    return _computed(value, place, lambda text: parse(text, variables.names))
+
+
+def _one_of(annotations: tuple[Any, ...], value: Any, place: Place) -> Any:
+    if isinstance(value, str) and str in annotations:
+        return value
+    wanted = tuple if isinstance(value, list) else float
+    fitting = [item for item in annotations if item is wanted or get_origin(item) is wanted]
+    annotated = [item for item in annotations if get_origin(item) is Annotated]
+    return converted((fitting + annotated)[0], value, place) if fitting or annotated else value
+
+
+def _tuple(annotations: tuple[Any, ...], value: Any, place: Place) -> Any:
+    if not isinstance(value, list):
+        raise place.error("must be an array", shown(value))
+    if len(annotations) == 2 and annotations[1] is Ellipsis:
+        annotations = annotations[:1] * len(value)
+    if len(annotations) != len(value):
+        raise place.error(f"must have {len(annotations)} entries", f"{len(value)}: {shown(value)}")
+    pairs = zip(annotations, value, strict=True)
+    return tuple(converted(annotation, item, place.entry(i)) for i, (annotation, item) in enumerate(pairs))

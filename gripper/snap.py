@@ -1,0 +1,73 @@
+"""Beyond a limit point: a damped descent, small step by small step, from the last equilibrium to the next."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from gripper.active import Verified, find
+from gripper.assemble import Problem, near
+from gripper.certificate import survey
+from gripper.equilibrium import NoEquilibriumError, Setting, State
+from gripper.obstacle import Obstacle
+from gripper.outline import Axis
+
+Array = NDArray[np.float64]
+_STEPS = 400
+_LONGEST = 0.02  # of L: no point of the axis moves further in a step, so that nothing is passed through
+_REST = 1e-6  # of L: the finger has come to rest
+_MARKS = np.linspace(0.125, 1.0, 8)
+
+
+def axis_points(state: State) -> Array:
+    """Points of the axis (8, 2), by L: how states are compared."""
+    return Axis.of(state.beam, state.z).values(_MARKS, state.beam.segment_of(_MARKS))[0]
+
+
+def distance(a: State, b: State) -> float:
+    """Largest distance between the axes of two states, by L."""
+    return float(np.max(np.hypot(*(axis_points(a) - axis_points(b)).T)))
+
+
+def descend(setting: Setting, obstacle: Obstacle, start: State, order: int) -> Verified:
+    """Follow the overdamped motion of the released finger: each step minimises V + rho |z - z_k|^2 / 2, gaps >= 0.
+
+    Raises
+    ------
+    NoEquilibriumError
+        Where it does not come to rest, or not in an equilibrium that verifies.
+    """
+    beam = setting.beam((), order)
+    state = State(beam, beam.project(start.beam, start.z))
+    damping, reason = 1.0, "the finger does not come to rest"
+    for _ in range(_STEPS):
+        following = _damped_step(setting, obstacle, state, damping)
+        moved = distance(state, following)
+        if moved > _LONGEST and damping < 1e6:
+            damping *= 4
+            continue
+        state = following
+        if moved < _REST or damping < 1e-3:
+            try:
+                return find(setting, obstacle, state, order)
+            except NoEquilibriumError as error:
+                reason = str(error)
+            if moved < _REST:
+                break
+        if moved < _LONGEST / 4:
+            damping /= 2
+    raise NoEquilibriumError(f"after a snap: {reason}")
+
+
+def _damped_step(setting: Setting, obstacle: Obstacle, state: State, damping: float) -> State:
+    found = survey(setting, obstacle, state)
+    problem = Problem(setting, obstacle, state, near(setting, obstacle, state, found, 0.1))
+    arguments = problem.scipy(1e-9)
+    x0 = problem.x0
+
+    def dissipating(x: Array) -> tuple[float, Array]:
+        away = x - x0
+        return float(x @ x + damping * (away @ away)) / 2, x + damping * away
+
+    return problem.state(minimize(**{**arguments, "fun": dissipating}).x)

@@ -1,0 +1,120 @@
+"""One pose: approached from outside, solved, verified."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+
+from gripper.active import Verified
+from gripper.answer import Answer, pose_result
+from gripper.assemble import first_order, left_out, setting
+from gripper.certificate import survey
+from gripper.equilibrium import NoEquilibriumError, Setting, State
+from gripper.kinematics import Kinematics, Retreat
+from gripper.obstacle import Frame
+from gripper.result import Model, PoseResult, Result
+from gripper.scene import Scene
+from gripper.tracker import Tracker
+
+NOT_MODELLED = (
+    "stretch of the axis",
+    "deformation of the section and of the surface at the contact",
+    "out-of-plane deformation",
+    "plasticity",
+    "inertia",
+)
+_FURTHEST = 20.0  # of L: beyond this no retreat is tried
+
+
+def model(scene: Scene, fixed: Setting) -> Model:
+    """What is solved for this scene, and what is not."""
+    other = "strain" if fixed.sections.finger.material.plane == "stress" else "stress"
+    return Model(theory=fixed.theory, left_out=left_out(scene), not_modelled=(f"plane {other}", *NOT_MODELLED))
+
+
+def approach(fixed: Setting, final: Frame, direction: tuple[float, float], order: int) -> tuple[Verified, int]:
+    """The equilibrium that is reached when the object comes along a direction from where it is free.
+
+    Parameters
+    ----------
+    fixed
+        Finger, theory, object.
+    final
+        Where the object comes to.
+    direction
+        Of its coming, in the clamp's frame.
+    order
+        Order of the strain fields to start with.
+
+    Returns
+    -------
+    The equilibrium, and the order that it needed.
+
+    Raises
+    ------
+    NoEquilibriumError
+        Where no retreat frees the finger, or no equilibrium could be followed on the way back.
+    """
+    unit = np.array(direction) / np.hypot(*direction)
+    path = Retreat(final, unit)
+    beam = fixed.beam((), order)
+    straight = State(beam, np.zeros(beam.size))
+    pace = min(max(0.5 * fixed.body.inner_radius / fixed.sections.length, 0.01), 0.1)
+    back = 0.0
+    while True:
+        found = survey(fixed, fixed.obstacle(path.frame(-back)), straight)
+        if found.clear:
+            break
+        if back > _FURTHEST:
+            raise NoEquilibriumError(
+                f"the object holds the finger however far it retreats along {tuple(-unit)}: "
+                "give another direction in [approach], or a motion that starts from a free pose"
+            )
+        back += max(pace, -found.min_gap)
+    tracker = Tracker(fixed, path, -back, order)
+    answer = tracker.advance(0.0)
+    return answer.verified, tracker.order
+
+
+def solve(scene: Scene) -> Result:
+    """Bent shape and contact forces at one pose, the object coming along ``scene.approach``.
+
+    Parameters
+    ----------
+    scene
+        Of one pose (without motion).
+
+    Returns
+    -------
+    The pose's result; ``failed`` with a reason where no verified equilibrium is reached.
+
+    Raises
+    ------
+    ValueError
+        A scene with a motion (trace it), or a finger whose profile is not positive.
+    """
+    if scene.motion is not None:
+        raise ValueError("scene must have no motion; gripper.trace(scene) follows one")
+    fixed = setting(scene)
+    kinematics = Kinematics(scene, fixed.sections.length)
+    frame = kinematics.frame(0.0)
+    began = time.process_time()
+    try:
+        verified, order = approach(fixed, frame, scene.approach, first_order(scene.tolerance))
+        still = Retreat(frame, np.zeros(2))
+        tracker = Tracker.resume(fixed, still, 0.0, order, verified)
+        pose = _timed(fixed, kinematics, tracker.advance(0.0), None, 0.0, began)
+    except NoEquilibriumError as error:
+        pose = PoseResult.failed(None, str(error), 0, time.process_time() - began)
+    return Result(title=scene.title, scene=scene, model=model(scene, fixed), poses=(pose,), events=())
+
+
+def _timed(
+    fixed: Setting, kinematics: Kinematics, answer: Answer, parameter: float | None, at: float, began: float
+) -> PoseResult:
+    """A pose's result with the CPU time since it was begun."""
+    from dataclasses import replace
+
+    pose = pose_result(fixed, answer, parameter, kinematics.placement(at))
+    return replace(pose, seconds=time.process_time() - began)

@@ -1,0 +1,89 @@
+"""A motion: pose by pose from a free pose, events located."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+
+from gripper.answer import pose_result
+from gripper.assemble import first_order, setting
+from gripper.equilibrium import NoEquilibriumError, Setting
+from gripper.kinematics import Kinematics
+from gripper.result import Event, PoseResult, Result
+from gripper.scene import Scene
+from gripper.solve import approach, model
+from gripper.tracker import Tracker
+
+
+def trace(scene: Scene, progress: Callable[[int, int], None] | None = None) -> Result:
+    """Follow a motion and solve each of its poses.
+
+    A motion that starts in contact is approached first, along ``scene.approach``.
+
+    Parameters
+    ----------
+    scene
+        With a motion.
+    progress
+        Called after each pose with the number of poses done and their total.
+
+    Returns
+    -------
+    All poses, failed ones with their reasons, and the events between them.
+
+    Raises
+    ------
+    ValueError
+        A scene without motion (solve it), a pose that is not finite, or a finger whose profile is not positive.
+    """
+    if scene.motion is None:
+        raise ValueError("scene must have a motion; gripper.solve(scene) takes one pose")
+    fixed = setting(scene)
+    kinematics = Kinematics(scene, fixed.sections.length)
+    values = scene.motion.values
+    for value in values:
+        kinematics.frame(value)
+    follower = _Follower(scene, fixed, kinematics)
+    poses = []
+    for done, value in enumerate(values, start=1):
+        poses.append(follower.pose(value))
+        if progress is not None:
+            progress(done, len(values))
+    events = tuple(follower.events)
+    return Result(title=scene.title, scene=scene, model=model(scene, fixed), poses=tuple(poses), events=events)
+
+
+class _Follower:
+    """The tracker of a motion, begun at the first pose that can be reached."""
+
+    def __init__(self, scene: Scene, fixed: Setting, kinematics: Kinematics) -> None:
+        self.scene, self.fixed, self.kinematics = scene, fixed, kinematics
+        self.tracker: Tracker | None = None
+        self.order = first_order(scene.tolerance)
+
+    @property
+    def events(self) -> list[Event]:
+        """Events so far, in the order in which they happened."""
+        found = self.tracker.changes if self.tracker else []
+        return [Event(parameter=c.parameter, kind=c.kind, detail=c.detail) for c in found]
+
+    def pose(self, value: float) -> PoseResult:
+        """The result at the next value of the parameter."""
+        began = time.process_time()
+        try:
+            if self.tracker is None:
+                self.tracker = self._begin(value)
+            answer = self.tracker.advance(value)
+            pose = pose_result(self.fixed, answer, value, self.kinematics.placement(value))
+        except NoEquilibriumError as error:
+            iterations = self.tracker.iterations if self.tracker else 0
+            pose = PoseResult.failed(value, str(error), iterations)
+        return replace(pose, seconds=time.process_time() - began)
+
+    def _begin(self, value: float) -> Tracker:
+        try:
+            return Tracker(self.fixed, self.kinematics, value, self.order)
+        except NoEquilibriumError:
+            reached, order = approach(self.fixed, self.kinematics.frame(value), self.scene.approach, self.order)
+            return Tracker.resume(self.fixed, self.kinematics, value, order, reached)

@@ -1,0 +1,222 @@
+"""Following an equilibrium along a path of the object, pose by pose, from where the finger is free.
+
+A step is bounded by what the object and the finger can pass without tunnelling, predicted along the tangent of the
+KKT system, corrected by Newton, verified, and compared with its prediction; in doubt it is halved. Where halving
+does not help, the equilibrium has ended: the finger snaps.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gripper.active import Verified, find, settle_contacts, verify
+from gripper.answer import Answer, discretisation_error
+from gripper.certificate import Survey, survey
+from gripper.contact import Site
+from gripper.equilibrium import NoEquilibriumError, Setting, State, settle
+from gripper.events import Along, Change, Path, changes
+from gripper.snap import descend, distance
+
+Array = NDArray[np.float64]
+_LONGEST = 0.1  # of L
+_SHORTEST = 1e-7  # of L: where steps this short do not succeed, there is no equilibrium to follow
+_HIGHEST_ORDER = 14
+_TURNS = 8  # parts in which a step's path is measured
+
+
+class Tracker:
+    """An equilibrium that follows its object.
+
+    Parameters
+    ----------
+    setting
+        Finger, theory, object.
+    path
+        Frames of the object over a parameter.
+    parameter
+        Where it starts; the straight finger must be free there.
+    order
+        Order of the strain fields to start with.
+
+    Raises
+    ------
+    NoEquilibriumError
+        Where the straight finger is not free at the start.
+    """
+
+    def __init__(self, setting: Setting, path: Path, parameter: float, order: int) -> None:
+        self.setting, self.path, self.parameter, self.order = setting, path, parameter, order
+        self.changes: list[Change] = []
+        self.iterations = 0
+        self.current = self._free(parameter)
+        if not self.current.survey.clear:
+            raise NoEquilibriumError("the straight finger is not free of the object at the start")
+
+    @classmethod
+    def resume(cls, setting: Setting, path: Path, parameter: float, order: int, current: Verified) -> Tracker:
+        """A tracker that goes on from an equilibrium reached along another path."""
+        tracker = cls.__new__(cls)
+        tracker.setting, tracker.path, tracker.parameter, tracker.order = setting, path, parameter, order
+        tracker.changes, tracker.iterations = [], 0
+        state = current.equilibrium.state
+        tracker.current = tracker._at(parameter, state) if state.sites else current
+        return tracker
+
+    def advance(self, target: float) -> Answer:
+        """Follow the path to a value of its parameter.
+
+        Raises
+        ------
+        NoEquilibriumError
+            Where no equilibrium could be followed that far; the tracker stays at the last one it found.
+        """
+        self.iterations = 0
+        bound = np.inf
+        while self.parameter != target:
+            following = self._within(target, bound)
+            try:
+                self._step(following)
+                bound = min(2 * bound, np.inf)
+            except NoEquilibriumError as error:
+                bound = self._travel(self.parameter, following) / 2
+                if bound < _SHORTEST:
+                    self._snap(following, error)
+                    bound = 1e-3
+        return self._refined()
+
+    def _within(self, target: float, bound: float) -> float:
+        """The furthest parameter towards the target that the next step may reach."""
+        room = min(bound, self._safe_travel())
+        travel = self._travel(self.parameter, target)
+        if travel <= room:
+            return target
+        following = self.parameter + (target - self.parameter) * room / travel
+        return target if following == self.parameter else following
+
+    def _safe_travel(self) -> float:
+        """How far (by L) the object may move relative to the clamp without passing through anything unseen."""
+        deep = min(0.5 * self.setting.body.inner_radius / self.setting.sections.length, _LONGEST)
+        return deep if self.sites else deep + max(self.current.survey.min_gap, 0.0)
+
+    def _travel(self, start: float, stop: float) -> float:
+        """Length of the object's relative path (by L), its turning included."""
+        frames = [self.path.frame(start + (stop - start) * i / _TURNS) for i in range(_TURNS + 1)]
+        origins, angles = np.array([f.origin for f in frames]), np.array([f.angle for f in frames])
+        box = np.array(self.setting.body.box)
+        size = float(np.max(np.abs(box))) / self.setting.sections.length
+        reach = min(size * np.sqrt(2.0), 2.0)
+        moved = np.hypot(*np.diff(origins, axis=0).T) + reach * np.abs(np.diff(angles))
+        return float(np.sum(moved))
+
+    @property
+    def sites(self) -> tuple[Site, ...]:
+        """The contacts of the current equilibrium."""
+        return self.current.equilibrium.state.sites
+
+    def _free(self, parameter: float) -> Verified:
+        obstacle = self.setting.obstacle(self.path.frame(parameter))
+        beam = self.setting.beam((), self.order)
+        return self._unloaded(State(beam, np.zeros(beam.size)), parameter, survey(self.setting, obstacle, State(beam, np.zeros(beam.size))))
+
+    def _unloaded(self, state: State, parameter: float, found: Survey) -> Verified:
+        obstacle = self.setting.obstacle(self.path.frame(parameter))
+        return Verified(settle(self.setting, obstacle, state, self.order), found)
+
+    def _at(self, parameter: float, state: State) -> Verified:
+        obstacle = self.setting.obstacle(self.path.frame(parameter))
+        return verify(self.setting, settle_contacts(self.setting, obstacle, state, self.order))
+
+    def _step(self, following: float) -> None:
+        if not self.sites:
+            free = self._free(following)
+            if free.survey.clear:
+                self.parameter, self.current = following, free
+                return
+            self._accept(following, self._touched(following))
+            return
+        self._accept(following, self._followed(following))
+
+    def _touched(self, following: float) -> Verified:
+        """The finger is straight now and the object would penetrate it: SLSQP finds the contacts."""
+        start = self.current.equilibrium.state
+        obstacle = self.setting.obstacle(self.path.frame(following))
+        found = find(self.setting, obstacle, start, self.order)
+        travel = self._travel(self.parameter, following)
+        self._compare(found, distance(found.equilibrium.state, start), travel)
+        return found
+
+    def _followed(self, following: float) -> Verified:
+        """Predict along the tangent and correct; SLSQP where the contacts change on the way."""
+        start = self.current.equilibrium
+        predicted = self._predicted(following - self.parameter)
+        travel = self._travel(self.parameter, following)
+        expected = distance(predicted, start.state)
+        try:
+            found = self._at(following, predicted)
+            off = distance(found.equilibrium.state, predicted)
+            if off > 0.5 * expected + 0.02 * travel:
+                raise NoEquilibriumError("the step departs from its prediction")
+        except NoEquilibriumError:
+            if travel < 2 * _SHORTEST and not self._loosens(predicted):
+                raise
+            obstacle = self.setting.obstacle(self.path.frame(following))
+            found = find(self.setting, obstacle, predicted, self.order)
+            self._compare(found, distance(found.equilibrium.state, start.state), max(travel, expected / 2))
+        return found
+
+    @staticmethod
+    def _loosens(predicted: State) -> bool:
+        """Whether a contact's multiplier is about to change its sign."""
+        return bool(np.any(predicted.multipliers <= 0))
+
+    def _predicted(self, change: float) -> State:
+        equilibrium = self.current.equilibrium
+        try:
+            rates = equilibrium.tangent()
+        except np.linalg.LinAlgError as error:
+            raise NoEquilibriumError("the tangent is vertical (a limit point)") from error
+        return equilibrium.state.moved(*(change * rate for rate in rates))
+
+    def _compare(self, found: Verified, moved: float, travel: float) -> None:
+        """A finger moves with its object: by as much, or as much more as its tip lies beyond the contact.
+
+        Raises
+        ------
+        NoEquilibriumError
+            Where it has moved further: another branch.
+        """
+        places = [s.middle for s in (*found.equilibrium.state.sites, *self.sites) if s.on_face and s.place]
+        lever = 2.0 / max(min(places, default=1.0), 0.05)
+        if moved > lever * 1.5 * travel + 1e-9:
+            raise NoEquilibriumError("the step leads to another branch")
+
+    def _accept(self, following: float, found: Verified) -> None:
+        self.iterations += found.equilibrium.iterations
+        old = self.current
+        start = self.parameter
+        self.parameter, self.current = following, found
+        before, after = Along(start, old.equilibrium), Along(following, found.equilibrium)
+        self.changes += changes(self.setting, self.path, before, after, self.order)
+
+    def _snap(self, following: float, error: NoEquilibriumError) -> None:
+        """Beyond the last equilibrium: descend to the next."""
+        start = self.current.equilibrium.state
+        if not start.sites:
+            raise error
+        obstacle = self.setting.obstacle(self.path.frame(following))
+        found = descend(self.setting, obstacle, start, self.order)
+        self.iterations += found.equilibrium.iterations
+        self.changes.append(Change(self.parameter, "snap", f"the finger snaps away: {error}"))
+        self.parameter, self.current = following, found
+
+    def _refined(self) -> Answer:
+        """The current equilibrium with its error estimate, of an order that meets the tolerance."""
+        error = discretisation_error(self.setting, self.current.equilibrium)
+        while error > self.setting.tolerance and self.order < _HIGHEST_ORDER:
+            self.order += 2
+            state = self.current.equilibrium.state
+            self.current = self._at(self.parameter, state)
+            self.iterations += self.current.equilibrium.iterations
+            error = discretisation_error(self.setting, self.current.equilibrium)
+        return Answer(self.current, error, 0.0, self.iterations)

@@ -1,0 +1,1 @@
+"""The plugins that come with gripper: objects, fingers, jaws. One plugin a file."""

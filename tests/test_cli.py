@@ -1,0 +1,101 @@
+import re
+import subprocess
+import sys
+from importlib.metadata import version
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from gripper.cli import app
+from gripper.registry import GROUPS, installed
+
+GALLERY = Path(__file__).parent.parent / "gallery"
+GOOD = (GALLERY / "rotating_finger.toml").read_text()
+
+BAD = {
+    "empty": "",
+    "no TOML": "a = ",
+    "unknown key": GOOD.replace("semi_axes", "semi_axis"),
+    "unknown plugin": GOOD.replace('"ellipse"', '"elipse"'),
+    "out of range": GOOD.replace("length = 0.1778", "length = -1"),
+    "code": GOOD.replace("length = 0.1778", "length = \"__import__('os').system('touch executed')\""),
+    "a tower of powers": GOOD.replace("length = 0.1778", 'length = "9**9**9**9"'),
+    "too many poses": GOOD.replace("poses = 49", "poses = 1000000000"),
+    "friction": GOOD + "\n[friction]\ncoefficient = 0.2\n",
+}
+
+
+def gripper(*arguments):
+    return CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+
+def scene_file(folder, text):
+    path = folder / "scene.toml"
+    path.write_text(text)
+    return path
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_a_bad_scene_ends_with_status_2_one_line_and_nothing_written(tmp_path, monkeypatch, case):
+    monkeypatch.chdir(tmp_path)
+    path = scene_file(tmp_path, BAD[case])
+    outcome = gripper("run", path, "-o", tmp_path / "out")
+    assert outcome.exit_code == 2
+    assert outcome.stdout == ""
+    assert outcome.stderr.startswith(f"{path}: ")
+    assert len(outcome.stderr.splitlines()) == 1
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_missing_scene_ends_with_status_2_and_its_name(tmp_path):
+    outcome = gripper("run", tmp_path / "none.toml", "-o", tmp_path / "out")
+    assert (outcome.exit_code, outcome.stdout) == (2, "")
+    assert outcome.stderr.startswith(f"{tmp_path / 'none.toml'}: must be a file that can be read")
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("blocked", ["out", "out/below", "out/result.json"])
+def test_a_folder_that_cannot_be_written_is_refused_before_solving(tmp_path, blocked):
+    folder = tmp_path / "out"
+    if blocked == "out/result.json":
+        (tmp_path / blocked).mkdir(parents=True)
+    else:
+        folder.write_text("a file in the way")
+        folder = tmp_path / blocked
+    outcome = gripper("run", scene_file(tmp_path, GOOD), "-o", folder)
+    assert (outcome.exit_code, outcome.stdout) == (2, "")
+    assert outcome.stderr.startswith(f"{folder}: must be a folder that can be written; got ")
+    assert len(outcome.stderr.splitlines()) == 1
+
+
+def test_plugins_lists_every_installed_one_in_a_line_with_its_state():
+    outcome = gripper("plugins")
+    assert outcome.exit_code == 0
+    lines = outcome.stdout.splitlines()[1:]
+    records = [record for group in GROUPS for record in installed(group)]
+    assert len(lines) == len(records)
+    for line, record in zip(lines, records, strict=True):
+        source = f"{record.distribution} {record.version}"
+        assert re.split("  +", line.strip()) == [record.kind, record.name, source, record.target, "ok"]
+
+
+def test_the_version_is_the_installed_one():
+    assert gripper("--version").stdout == f"gripper {version('gripper')}\n"
+
+
+def test_help_names_the_exit_statuses_and_where_it_writes():
+    text = " ".join(re.sub(r"[^\w\s,./-]", " ", gripper("run", "--help").stdout).split())
+    assert "130 when interrupted" in text
+    assert "out/ and the scene" in text
+
+
+def test_the_module_is_the_same_command():
+    run = subprocess.run([sys.executable, "-m", "gripper", "--version"], capture_output=True, text=True, check=True)
+    assert run.stdout == f"gripper {version('gripper')}\n"
+
+
+def test_the_command_line_starts_without_what_is_heavy():
+    code = "import sys, gripper.cli; print({'sympy', 'scipy', 'matplotlib', 'pydantic', 'numpy'} & set(sys.modules))"
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert run.stdout == "set()\n"

@@ -1,0 +1,61 @@
+import csv
+import json
+import resource
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gripper.output import FILES, prepare, write
+from gripper.result import Model, PoseResult, Result, Shape
+from gripper.scenefile import read, resolved
+
+GALLERY = Path(__file__).parent.parent / "gallery"
+SCENE = read(GALLERY / "micro_assembly.toml")
+FAILED = PoseResult.failed(0.086, "the solver found no equilibrium")
+
+
+def free():
+    x = np.linspace(0, 0.057, 5)
+    axis, lower, upper = (np.stack([x, 0 * x + y], axis=1) for y in (0, -0.0016, 0.0016))
+    shape = Shape(axis=axis, lower=lower, upper=upper, strain=0 * x)
+    numbers = dict.fromkeys(("moment_on_object", "motion_force", "clamp_moment", "energy", "tip_rotation"), 0.0)
+    vectors = {"force_on_object": (0.0, 0.0), "force_on_object_finger_frame": (0.0, 0.0), "tip": (0.057, 0.0)}
+    known = numbers | vectors | {"max_strain": 0.0, "min_gap": 0.001}
+    return PoseResult(parameter=0.086, status="free", shape=shape, **known)
+
+
+def result(*poses):
+    return Result(scene=SCENE, model=Model(theory="bending"), poses=poses)
+
+
+@pytest.mark.parametrize("poses", [(FAILED,), (free(),), (free(), FAILED)])
+def test_every_run_leaves_three_complete_files_and_no_other(tmp_path, poses):
+    prepare(tmp_path / "a" / "b")
+    paths = write(tmp_path / "a" / "b", result(*poses))
+    assert [path.name for path in paths] == list(FILES)
+    assert sorted((tmp_path / "a" / "b").iterdir()) == sorted(paths)
+    written = json.loads(paths[0].read_text())
+    assert written["scene"] == resolved(SCENE)
+    assert [pose["status"] for pose in written["poses"]] == [pose.status for pose in poses]
+    assert len(list(csv.reader(paths[1].read_text().splitlines()))) == 1 + len(poses)
+    assert paths[2].read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_second_run_replaces_the_files_of_the_first(tmp_path):
+    write(tmp_path, result(FAILED))
+    write(tmp_path, result(free()))
+    assert json.loads((tmp_path / "result.json").read_text())["poses"][0]["status"] == "free"
+
+
+def test_a_full_disk_leaves_the_earlier_files_as_they_were(tmp_path):
+    write(tmp_path, result(free()))
+    before = {path: path.read_bytes() for path in tmp_path.iterdir()}
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, limits[1]))  # as little as the picture does not fit into
+    try:
+        with pytest.raises(OSError):
+            write(tmp_path, result(free(), free()))
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before
