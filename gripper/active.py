@@ -44,7 +44,7 @@ def fit_patches(setting: Setting, equilibrium: Equilibrium) -> tuple[Site, ...]:
     sites, lin, column = [], equilibrium.linear, 0
     for i, site in enumerate(equilibrium.state.sites):
         if site.kind == "tangent" and site.on_face:
-            force = float(np.hypot(*lin.forces[i].sum(axis=0)))
+            force = float(np.abs(lin.forces[i].sum()))
             rigidity = float(setting.sections.GA(np.array(site.place))[0])
             width = min(force / (rigidity * max(lin.residual_slopes[column, column], 1e-12)), _WIDEST)
             if width > _PATCH:
@@ -220,7 +220,7 @@ def _corner_at(setting: Setting, piece: int, u: float) -> int | None:
     if s[0] < 1:
         return None
     for i, corner in enumerate(setting.outline.corners):
-        if np.allclose(corner.point, P[0], rtol=0, atol=1e-9):
+        if abs(corner.point - P[0]) < 1e-9:
             return setting.outline.corner_piece(i)
     return None
 

@@ -17,6 +17,7 @@ from gripper.result import Checks, Contact, ErrorEstimate, PoseResult, Shape
 from gripper.active import Verified, stability
 
 Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
 NO_FORCE = 1e-9
 """Total contact force, over EI / L^2, below which a pose is free (grazing is free)."""
 STATIONARY = 1e-8
@@ -24,9 +25,9 @@ BALANCED = 1e-2
 _DRAWN = 81
 
 
-def cross(a: Array, b: Array) -> float:
-    """The z component of the sum of cross products of vectors (..., 2)."""
-    return float(np.sum(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]))
+def cross(a: Complex, b: Complex) -> float:
+    """Sum of the cross products of vectors."""
+    return float(np.sum((a.conj() * b).imag))
 
 
 def discretisation_error(setting: Setting, equilibrium: Equilibrium) -> float:
@@ -40,8 +41,8 @@ def discretisation_error(setting: Setting, equilibrium: Equilibrium) -> float:
     step = kkt_step(enriched, linearise(finer, enriched.z, *arguments, state.multipliers))
     moved = enriched.moved(*step)
     after = linearise(finer, moved.z, setting.outline, equilibrium.obstacle, moved.sites, moved.multipliers)
-    change = sum((f.sum(axis=0) for f in after.forces), np.zeros(2)) - equilibrium.force
-    return float(np.hypot(*change) / max(np.hypot(*equilibrium.force), NO_FORCE))
+    change = sum(f.sum() for f in after.forces) - equilibrium.force
+    return float(abs(change) / max(abs(equilibrium.force), NO_FORCE))
 
 
 def check(setting: Setting, verified: Verified) -> Checks:
@@ -64,12 +65,12 @@ def check(setting: Setting, verified: Verified) -> Checks:
             certificate=certificate,
         )
     load = lin.gradients.T @ state.multipliers
-    total = max(sum(float(np.sum(np.hypot(*f.T))) for f in lin.forces), NO_FORCE)
     points, forces = np.concatenate(lin.points), np.concatenate(lin.forces)
+    total = max(float(np.sum(np.abs(forces))), NO_FORCE)
     moments, arms = _moments(setting, equilibrium)
     off_clamp = moments[0] - cross(points - arms[0], forces)
     off_section = moments[1] - cross(points - arms[1], forces)
-    reach = max(float(np.hypot(*(arms[1] - arms[0]))), 1e-12)
+    reach = max(abs(arms[1] - arms[0]), 1e-12)
     return Checks(
         stationarity=float(np.linalg.norm(state.z - load) / max(np.linalg.norm(load), NO_FORCE)),
         force_balance=abs(off_clamp - off_section) / (total * reach),
@@ -80,7 +81,7 @@ def check(setting: Setting, verified: Verified) -> Checks:
     )
 
 
-def _moments(setting: Setting, equilibrium: Equilibrium) -> tuple[Array, Array]:
+def _moments(setting: Setting, equilibrium: Equilibrium) -> tuple[Array, Complex]:
     """EI kappa (over EI(0) / L) at the clamp and at the end of the first segment, and where these sections are."""
     state = equilibrium.state
     s, first = np.array([0.0, state.beam.breaks[1]]), np.zeros(2, dtype=np.intp)
@@ -117,24 +118,23 @@ def pose_result(setting: Setting, answer: Answer, parameter: float | None, place
     scales, equilibrium = setting.sections, answer.verified.equilibrium
     state, lin = equilibrium.state, equilibrium.linear
     force = -equilibrium.force * scales.force_scale
-    turn = placement.clamp_rotation
-    free = float(np.hypot(*equilibrium.force)) <= NO_FORCE and not _pinched(equilibrium)
-    frame = equilibrium.obstacle.frame
-    moment = -sum(cross(p - frame.origin, f) for p, f in zip(lin.points, lin.forces, strict=True))
+    turn = placement.turn
+    points, forces = _loads(equilibrium)
+    free = float(np.max(np.abs(forces), initial=0.0)) <= NO_FORCE
+    moment = -cross(points - equilibrium.obstacle.frame.origin, forces)
     position, psi, _, _ = Axis.of(state.beam, state.z).values(np.ones(1), np.array([state.beam.segments - 1]))
-    clamp = np.array(placement.clamp[:2])
     return PoseResult(
         parameter=parameter,
         status="free" if free else "contact",
-        force_on_object=tuple(turn @ force),
-        force_on_object_finger_frame=tuple(force),
+        force_on_object=_vector(turn * force),
+        force_on_object_finger_frame=_vector(force),
         moment_on_object=moment * scales.energy_scale,
         motion_force=None if parameter is None else -float(state.multipliers @ lin.value_rates) * scales.energy_scale,
-        clamp_moment=float(_moments(setting, equilibrium)[0][0]) * scales.energy_scale,
+        clamp_moment=cross(points, forces) * scales.energy_scale,
         energy=state.energy * scales.energy_scale,
-        tip=tuple(clamp + turn @ position[0] * scales.length),
+        tip=_vector(placement.origin + turn * complex(position[0]) * scales.length),
         tip_rotation=float(psi[0]),
-        max_strain=_max_strain(setting, state.beam, state.z),
+        max_strain=_max_strain(setting, equilibrium),
         min_gap=answer.verified.survey.min_gap * scales.length,
         contacts=() if free else contacts(setting, equilibrium, placement),
         checks=checks,
@@ -145,16 +145,33 @@ def pose_result(setting: Setting, answer: Answer, parameter: float | None, place
     )
 
 
-def _pinched(equilibrium: Equilibrium) -> bool:
-    """Whether opposed contact forces cancel: no resultant, and yet contact."""
-    return any(float(np.hypot(*f.sum(axis=0))) > NO_FORCE for f in equilibrium.linear.forces)
+def _vector(value: complex) -> tuple[float, float]:
+    return float(value.real), float(value.imag)
 
 
-def _max_strain(setting: Setting, beam: Beam, z: Array) -> float:
-    along = np.linspace(0.0, 1.0, 17)
+def _loads(equilibrium: Equilibrium) -> tuple[Complex, Complex]:
+    """All contact points and the forces on the finger there."""
+    lin, none = equilibrium.linear, np.zeros(0, dtype=complex)
+    return np.concatenate([none, *lin.points]), np.concatenate([none, *lin.forces])
+
+
+def _max_strain(setting: Setting, equilibrium: Equilibrium) -> float:
+    """Largest abs(kappa) w / 2, kappa from the moment of the contact forces beyond each section.
+
+    The moment of the forces is as good as the forces; kappa of the strain fields is right in the mean only.
+    """
+    beam, state, lin = equilibrium.state.beam, equilibrium.state, equilibrium.linear
+    along = np.linspace(0.0, 1.0, 13)
     s = (np.array(beam.breaks[:-1])[:, None] + beam.lengths[:, None] * along).ravel()
-    kappa = beam.strains(z, s, np.repeat(np.arange(beam.segments), along.size))[0]
-    return float(np.max(np.abs(kappa) * setting.sections.thickness(s) / 2))
+    segment = np.repeat(np.arange(beam.segments), along.size)
+    position = Axis.of(beam, state.z).values(s, segment)[0]
+    middle = s - np.tile((along - 0.5) * 1e-9, beam.segments)  # which side of a force at a break a sample is on
+    moment = np.zeros(s.size)
+    for site, u, points, forces in zip(state.sites, lin.stations, lin.points, lin.forces, strict=True):
+        places = u if site.on_face else np.full(u.size, 2.0)
+        beyond = places[None, :] > middle[:, None]
+        moment += np.sum(beyond * ((points[None, :] - position[:, None]).conj() * forces).imag, axis=1)
+    return float(np.max(np.abs(moment) / setting.sections.EI(s) * setting.sections.thickness(s) / 2))
 
 
 def contacts(setting: Setting, equilibrium: Equilibrium, placement: Placement) -> tuple[Contact, ...]:
@@ -166,14 +183,14 @@ def contacts(setting: Setting, equilibrium: Equilibrium, placement: Placement) -
         at_tip = site.kind == "corner" and _tip_face(setting, site.piece) in tails
         key = ("tail", _tip_face(setting, site.piece)) if at_tip else ("tail", site.piece) if site.kind == "tail" else i
         groups.setdefault(key, []).append(i)
-    length, turn, clamp = setting.sections.length, placement.clamp_rotation, np.array(placement.clamp[:2])
+    length = setting.sections.length
     out = []
     for members in groups.values():
         points = np.concatenate([lin.points[i] for i in members])
         forces = np.concatenate([lin.forces[i] for i in members])
-        weights = np.hypot(*forces.T)
-        total = forces.sum(axis=0)
-        if np.hypot(*total) <= NO_FORCE:
+        weights = np.abs(forces)
+        total = complex(forces.sum())
+        if abs(total) <= NO_FORCE:
             continue
         on, places = _places(setting, [sites[i] for i in members], [lin.stations[i] for i in members])
         extent = [s for i in members for s in _extent(setting, sites[i])]
@@ -182,9 +199,9 @@ def contacts(setting: Setting, equilibrium: Equilibrium, placement: Placement) -
                 on=on,
                 s=float(places @ weights / weights.sum()) * length,
                 extent=(min(extent) * length, max(extent) * length),
-                point=tuple(clamp + turn @ (weights @ points / weights.sum()) * length),
-                normal=tuple(turn @ total / np.hypot(*total)),
-                normal_force=float(np.hypot(*total)) * setting.sections.force_scale,
+                point=_vector(placement.origin + placement.turn * complex(weights @ points / weights.sum()) * length),
+                normal=_vector(placement.turn * total / abs(total)),
+                normal_force=abs(total) * setting.sections.force_scale,
             )
         )
     return tuple(sorted(out, key=lambda contact: contact.s))
@@ -195,7 +212,7 @@ def _tip_face(setting: Setting, number: int) -> int:
     corner = number - len(setting.outline.pieces)
     if corner < 0 or setting.outline.corners[corner].on != "tip":
         return -1
-    return LOWER if setting.outline.corners[corner].point[1] < 0 else UPPER
+    return LOWER if setting.outline.corners[corner].point.imag < 0 else UPPER
 
 
 def _places(setting: Setting, sites: list, stations: list[Array]) -> tuple[str, Array]:  # type: ignore[type-arg]
@@ -213,23 +230,19 @@ def _shape(setting: Setting, equilibrium: Equilibrium, placement: Placement) -> 
     beam = state.beam
     s = np.union1d(np.linspace(0.0, 1.0, _DRAWN), beam.breaks)
     position, psi, _, kappa = Axis.of(beam, state.z).values(s, beam.segment_of(s))
-    half = setting.sections.thickness(s) / 2
-    normal = np.column_stack([-np.sin(psi), np.cos(psi)])
-    turn, clamp = placement.clamp_rotation, np.array(placement.clamp[:2])
+    half, section = setting.sections.thickness(s) / 2, np.exp(1j * psi)
 
-    def world(points: Array) -> Array:
-        return clamp + points @ turn.T * length
+    def world(points: Complex) -> Array:
+        placed = placement.origin + placement.turn * points * length
+        return np.column_stack([placed.real, placed.imag])
 
     jaw = setting.outline.jaw
-    if jaw is not None:
-        c, t = np.cos(psi[-1]), np.sin(psi[-1])
-        jaw = world(position[-1] + jaw @ np.array([[c, t], [-t, c]]))
     return Shape(
         axis=world(position),
-        lower=world(position - half[:, None] * normal),
-        upper=world(position + half[:, None] * normal),
+        lower=world(position - 1j * half * section),
+        upper=world(position + 1j * half * section),
         strain=np.abs(kappa) * half,
-        jaw=jaw,
+        jaw=None if jaw is None else world(position[-1] + jaw * section[-1]),
         clamp_pose=placement.clamp,
         object_pose=placement.object,
     )

@@ -19,7 +19,7 @@ from gripper.contact import Site, linearise
 from gripper.equilibrium import Setting, State
 from gripper.kinematics import Kinematics
 from gripper.obstacle import Obstacle
-from gripper.outline import LOWER, UPPER, Axis, Outline
+from gripper.outline import LOWER, UPPER, Axis, Outline, dot
 from gripper.pose import placed
 from gripper.result import LeftOut
 from gripper.scene import Scene
@@ -158,7 +158,8 @@ class Problem:
         sites = self.sites(x)
         load = np.asarray(multipliers) * self.scale**2 / self.gap_scale
         lin = linearise(self.beam, np.asarray(x) * self.scale, self.setting.outline, self.obstacle, sites, load, kinks=False)
-        return -np.array([f.sum(axis=0) for f in lin.forces]).reshape(-1, 2) * self.setting.sections.force_scale
+        forces = -np.array([f.sum() for f in lin.forces]) * self.setting.sections.force_scale
+        return np.column_stack([forces.real, forces.imag])
 
     def scipy(self, tolerance: float = 1e-10) -> dict[str, Any]:
         """Arguments for ``scipy.optimize.minimize``: SLSQP on the scaled problem.
@@ -226,14 +227,14 @@ class Problem:
 
     def _slope(self, axis: Axis, u: Array, piece: NDArray[np.intp], segment: NDArray[np.intp], row: Array) -> tuple[Array, Array]:
         """What is least at the place, and its slope along the piece: g, or the distance to the object's corner."""
-        points, tangents = self.setting.outline.trace(axis, piece, u, segment)
+        points, tangents, _ = self.setting.outline.trace(axis, piece, u, segment)
         g, normal = self.obstacle.slope(points)
         vertex = self._vertex[row]
         if vertex.any():
             corners = self.obstacle.corners[[self.candidates[i].vertex for i in self._owners[row[vertex]]]]
             away = points[vertex] - corners
-            g[vertex], normal[vertex] = np.sum(away**2, axis=1) / 2, away
-        return g, np.sum(normal * tangents, axis=1)
+            g[vertex], normal[vertex] = np.abs(away) ** 2 / 2, away
+        return g, dot(normal, tangents)
 
     def _locate(self, axis: Axis) -> tuple[Site, ...]:
         """The least gap of each stretch: the least sample, then the root of the slope beside it, by secants."""
@@ -279,7 +280,7 @@ def near(setting: Setting, obstacle: Obstacle, state: State, found: Survey, reac
     numbers = np.array([outline.corner_piece(i) for i in range(len(outline.corners))], dtype=np.intp)
     if len(numbers):
         last = np.full(len(numbers), state.beam.segments - 1)
-        points, _ = outline.trace(axis, numbers, np.zeros(len(numbers)), last)
+        points, *_ = outline.trace(axis, numbers, np.zeros(len(numbers)), last)
         gaps = obstacle.gap(points)
         candidates += [Candidate("corner", int(n)) for n, gap in zip(numbers, gaps, strict=True) if gap < reach]
     return tuple(candidates) + (_vertices(setting, obstacle, axis, found, reach) if cornered else ())
@@ -301,16 +302,16 @@ def _stretches(setting: Setting, state: State, found: Survey, reach: float) -> l
 def _vertices(setting: Setting, obstacle: Obstacle, axis: Axis, found: Survey, reach: float) -> tuple[Candidate, ...]:
     """The object's corners, each against the piece whose outside it is nearest to."""
     pieces = found.pieces
-    points, tangents = setting.outline.trace(axis, pieces.piece, pieces.u0, pieces.segment)
-    inward = np.column_stack([-tangents[:, 1], tangents[:, 0]]) * np.where(pieces.piece == UPPER, -1.0, 1.0)[:, None]
+    points, tangents, _ = setting.outline.trace(axis, pieces.piece, pieces.u0, pieces.segment)
+    inward = 1j * tangents * np.where(pieces.piece == UPPER, -1.0, 1.0)
     out: list[Candidate] = []
     for number, vertex in enumerate(obstacle.corners):
         away = points - vertex
-        distance = np.hypot(*away.T)
+        distance = np.abs(away)
         for piece in np.unique(pieces.piece[distance < reach]):
             mine = np.flatnonzero(pieces.piece == piece)
             nearest = mine[np.argmin(distance[mine])]
-            inside = -float(away[nearest] @ inward[nearest])
+            inside = -float(dot(away[nearest], inward[nearest]))
             if inside < _half_thickness(setting, int(piece), float(pieces.u0[nearest])):
                 length = setting.outline.pieces[int(piece)].length
                 out.append(Candidate("vertex", int(piece), 0.0, length, number))

@@ -18,24 +18,26 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import eval_legendre
 
 from gripper.sections import Sections
 
 Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
 Index = NDArray[np.intp]
 _CARRIED = 0.2  # of a segment's length: polynomials of moderate order continue this far without harm
 BeamTheory = Literal["bending", "shear"]
 
 
 def legendre(x: Array, count: int) -> Array:
-    """P_0 .. P_(count-1) at x (n,): (n, count), by the three-term recurrence."""
-    table = np.empty((count, x.size))
-    table[0] = 1.0
-    if count > 1:
-        table[1] = x
-    for k in range(1, count - 1):
-        table[k + 1] = ((2 * k + 1) * x * table[k] - k * table[k - 1]) / (k + 1)
-    return table.T
+    """P_0 .. P_(count-1) at x (n,): (n, count)."""
+    table: Array = eval_legendre(_degrees(count), x[:, None])
+    return table
+
+
+@functools.cache
+def _degrees(count: int) -> Index:
+    return np.arange(count)
 
 
 def legendre_integrals(table: Array) -> Array:
@@ -43,18 +45,16 @@ def legendre_integrals(table: Array) -> Array:
     count = table.shape[1]
     integrals = np.empty((table.shape[0], count - 1))
     integrals[:, 0] = table[:, 1] + 1
-    integrals[:, 1:] = (table[:, 2:] - table[:, :-2]) / (2 * np.arange(1, count - 1) + 1)
+    integrals[:, 1:] = (table[:, 2:] - table[:, :-2]) / (2 * _degrees(count - 1)[1:] + 1)
     return integrals
 
 
-def legendre_slopes(table: Array) -> Array:
-    """dP_k/dx from a table (n, count) of P_k: (n, count), by P'_(k+1) = P'_(k-1) + (2k + 1) P_k."""
-    slopes = np.zeros_like(table)
-    for k in range(table.shape[1] - 1):
-        slopes[:, k + 1] = (2 * k + 1) * table[:, k]
-        if k:
-            slopes[:, k + 1] += slopes[:, k - 1]
-    return slopes
+@functools.cache
+def _differentiation(count: int) -> Array:
+    """Legendre coefficients of a series -> those of its derivative, (count, count)."""
+    matrix = np.zeros((count, count))
+    matrix[: count - 1] = np.polynomial.legendre.legder(np.eye(count), axis=0)
+    return matrix
 
 
 @dataclass(frozen=True, eq=False)
@@ -223,46 +223,44 @@ class Beam:
         return self.unknowns(coefficients)
 
     def slopes(self, z: Array, table: Array, segment: Index) -> Array:
-        """kappa' and gamma' at stations with a table of P_k (k, count) on their segments: (k, 2)."""
-        local = self.coefficients(z)[:, segment]
-        along = legendre_slopes(table[:, : self.modes]) * (2 / self.lengths[segment])[:, None]
-        out = np.zeros((segment.size, 2))
-        out[:, : self.fields] = np.einsum("km,fkm->kf", along, local)
-        return out
+        """kappa' and gamma' at stations with a table of P_k (k, count) on their segments: (2, k)."""
+        local = self.coefficients(z)[:, segment] @ _differentiation(self.modes).T
+        out = np.zeros((2, segment.size))
+        out[: self.fields] = np.einsum("km,fkm->fk", table[:, : self.modes], local)
+        return out * (2 / self.lengths[segment])
 
-    def values(self, z: Array, direction: Array, s: Array, segment: Index) -> tuple[Array, Array, Array, Array]:
-        """Position (k, 2), psi, theta and kappa (k,) at stations, without their maps.
+    def values(self, z: Array, direction: Complex, s: Array, segment: Index) -> tuple[Complex, Array, Array, Array]:
+        """Position x + iy, psi, theta and kappa (k,) at stations, without their maps.
 
         Parameters
         ----------
         z
             Unknowns (n,).
         direction
-            cos theta and sin theta at the Gauss points, (g, 2).
+            exp(i theta) at the Gauss points, (g,).
         s, segment
             Stations (k,) and the segments whose polynomials are read (k,).
         """
         m, q = self.modes, self._rule.x.size
         half = self.lengths / 2
         local = self.coefficients(z)
-        runs = direction.reshape(self.segments, q, 2) * half[:, None, None]
-        starts = np.zeros((self.segments, 3))  # x, y, psi
-        starts[1:, :2] = np.cumsum(self._rule.weights @ runs, axis=0)[:-1]
-        starts[1:, 2] = np.cumsum(self.lengths * local[0, :, 0])[:-1]
+        runs = direction.reshape(self.segments, q) * half[:, None]
+        places, turns = np.zeros(self.segments, dtype=complex), np.zeros(self.segments)
+        np.cumsum((runs @ self._rule.weights)[:-1], out=places[1:])
+        np.cumsum((self.lengths * local[0, :, 0])[:-1], out=turns[1:])
         table = legendre((s - self.starts[segment]) / half[segment] - 1, q + 1)
         integrals = legendre_integrals(table)
-        paths = self._rule.interpolant @ runs
-        position = starts[segment, :2] + np.einsum("kq,kqi->ki", integrals[:, :q], paths[segment])
+        paths = runs @ self._rule.interpolant.T
+        position = places[segment] + np.einsum("kq,kq->k", integrals, paths[segment])
         kappas = local[0][segment]
-        psi = starts[segment, 2] + half[segment] * np.einsum("km,km->k", integrals[:, :m], kappas)
+        psi = turns[segment] + half[segment] * np.einsum("km,km->k", integrals[:, :m], kappas)
         kappa = np.einsum("km,km->k", table[:, :m], kappas)
         gamma = np.einsum("km,km->k", table[:, :m], local[1][segment]) if self.fields == 2 else 0.0
         return position, psi, psi + gamma, kappa
 
-    def bounds(self, z: Array) -> Array:
-        """Upper bounds of abs(kappa), abs(kappa'), abs(gamma') over each segment: (3, segments)."""
-        sizes = np.abs(self.coefficients(z))
-        k = np.arange(self.modes)
-        slopes = sizes @ (k * (k + 1) / 2) * (2 / self.lengths)  # |P_k| <= 1, |P_k'| <= k (k + 1) / 2
-        turned = slopes[1] if self.fields == 2 else np.zeros(self.segments)
-        return np.stack([sizes[0].sum(axis=1), slopes[0], turned])
+    def slope_bounds(self, z: Array) -> Array:
+        """Upper bounds of abs(kappa') and abs(gamma') over each segment: (2, segments)."""
+        sizes = np.abs(self.coefficients(z) @ _differentiation(self.modes).T)  # |P_k| <= 1
+        bounds = np.zeros((2, self.segments))
+        bounds[: self.fields] = sizes.sum(axis=2) * (2 / self.lengths)
+        return bounds

@@ -6,7 +6,7 @@ On a piece of outline between two samples, g along it is f(t) with f'' >= -M, wh
 
 K bounding |grad g| and lambda bounding the Hessian's eigenvalues from below over a disc that holds the piece. So f
 lies above two parabolas, one from each end, and above (f0 + f1 - K * arc length) / 2 in any case. Pieces that could
-still hide a penetration are cut into four.
+still hide a penetration are cut.
 """
 
 from __future__ import annotations
@@ -18,9 +18,10 @@ from numpy.typing import NDArray
 
 from gripper.equilibrium import Setting, State
 from gripper.obstacle import Obstacle
-from gripper.outline import UPPER, Axis
+from gripper.outline import LOWER, UPPER, Axis, crossings, dot
 
 Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
 Index = NDArray[np.intp]
 DEPTH = 2e-7
 """Penetration that counts as none, by L."""
@@ -28,6 +29,8 @@ _PER_SEGMENT = 8
 _PER_EDGE = 4
 _ROUNDS = 14
 _MOST_PIECES = 60_000
+_CUT = 5
+_FLAT = 1e-6  # least |grad g| that a gap is divided by to be a distance
 _STEEPER = 1.5  # where nothing is proved of grad g: its sampled size may be off by this much
 
 
@@ -91,37 +94,54 @@ def survey(setting: Setting, obstacle: Obstacle, state: State) -> Survey:
     axis = Axis.of(state.beam, state.z)
     arc = _ArcBounds(setting, state)
     first = pieces = _whole(setting, state)
-    proved, worst, nearest = True, np.inf, np.inf
+    proved, engulfed, worst, nearest = True, False, np.inf, np.inf
     inside: list[tuple[int, float, float]] = []
     gaps = np.empty((2, 0))
     total = 0
     for round_ in range(_ROUNDS):
-        p0, t0 = setting.outline.trace(axis, pieces.piece, pieces.u0, pieces.segment)
-        p1, t1 = setting.outline.trace(axis, pieces.piece, pieces.u1, pieces.segment)
-        g, normal = obstacle.slope(np.concatenate([p0, p1]))
-        k = len(p0)
-        size = np.maximum(np.hypot(*normal.T), 1e-6)
-        depth = np.minimum(g[:k] / size[:k], g[k:] / size[k:])
-        nearest = min(nearest, float(depth.min()))
+        ends = _Ends.of(setting, obstacle, axis, pieces)
+        total += len(pieces.u0)
         if round_ == 0:
-            gaps = g.reshape(2, k)
-            engulfed = _engulfed(setting, obstacle, pieces, p0)
-        slopes = np.sum(normal[:k] * t0, axis=1), np.sum(normal[k:] * t1, axis=1)
-        lower, sure = _lower_bound(obstacle, arc, pieces, (p0 + p1) / 2, (g[:k], g[k:]), slopes, size)
-        lower = lower / np.minimum(size[:k], size[k:])
+            gaps, engulfed = ends.g, _engulfed(obstacle, pieces, ends.points[0])
+        depths = ends.g / ends.steepness
+        nearest = min(nearest, float(depths.min()))
+        lower, sure = _lower_bound(obstacle, arc, pieces, ends)
+        lower = lower / ends.steepness.min(axis=0)
         proved &= sure
+        depth = depths.min(axis=0)
         deep = depth < -DEPTH
-        at_end = g[k:] / size[k:] < g[:k] / size[:k]
-        inside += list(zip(pieces.piece[deep], np.where(at_end, pieces.u1, pieces.u0)[deep], depth[deep], strict=True))
-        total += k
+        if deep.any():
+            u = np.where(depths[1] < depths[0], pieces.u1, pieces.u0)
+            inside += list(zip(pieces.piece[deep], u[deep], depth[deep], strict=True))
         open_ = ~deep & (lower < -DEPTH)
-        done = ~open_ if round_ < _ROUNDS - 1 and total < _MOST_PIECES else np.ones(k, dtype=bool)
+        last = round_ == _ROUNDS - 1 or total > _MOST_PIECES
+        done = np.ones_like(open_) if last else ~open_
         worst = min(worst, float(np.min(lower[done], initial=np.inf)))
         if done.all():
             break
-        pieces = pieces.take(open_).cut(4)
-    worst = min(worst, float(min((d for *_, d in inside), default=np.inf)))
-    return Survey(nearest, max(0.0, -worst), proved, _deepest(inside), first, gaps, engulfed)
+        pieces = pieces.take(open_).cut(_CUT)
+    worst = min(worst, min((depth for *_, depth in inside), default=np.inf))
+    return Survey(nearest, max(0.0, -float(worst)), proved, _deepest(inside), first, gaps, engulfed)
+
+
+@dataclass(frozen=True, eq=False)
+class _Ends:
+    """Both ends of each piece, (2, k): points, g, |grad g|, dg/du and kappa."""
+
+    points: Complex
+    g: Array
+    steepness: Array
+    slopes: Array
+    kappa: Array
+
+    @classmethod
+    def of(cls, setting: Setting, obstacle: Obstacle, axis: Axis, pieces: Pieces) -> _Ends:
+        k = len(pieces.u0)
+        piece, segment = np.tile(pieces.piece, 2), np.tile(pieces.segment, 2)
+        points, tangents, kappa = setting.outline.trace(axis, piece, np.concatenate([pieces.u0, pieces.u1]), segment)
+        g, normal = obstacle.slope(points)
+        values = (points, g, np.maximum(np.abs(normal), _FLAT), dot(normal, tangents), kappa)
+        return cls(*(value.reshape(2, k) for value in values))
 
 
 def _whole(setting: Setting, state: State) -> Pieces:
@@ -137,49 +157,43 @@ def _whole(setting: Setting, state: State) -> Pieces:
 
 
 class _ArcBounds:
-    """Bounds of |c'| and |c''| over the faces, segment by segment; a rigid edge is straight with |c'| = 1."""
+    """Bounds of |c'| and |c''| over stretches of the faces; a rigid edge is straight with |c'| = 1."""
 
     def __init__(self, setting: Setting, state: State) -> None:
-        kappa, kappa_slope, gamma_slope = state.beam.bounds(state.z)
-        w, slope, curvature = setting.sections.thickness_bounds
-        self.longest = 1 + slope / 2 + kappa * w / 2
-        self.shortest = np.maximum(1 - slope / 2 - kappa * w / 2, 0.0)
-        self.bent = kappa + gamma_slope + curvature / 2 + kappa * slope + kappa_slope * w / 2 + kappa**2 * w / 2
+        self.kappa_slope, self.gamma_slope = state.beam.slope_bounds(state.z)
+        self.thickness = setting.sections.thickness_bounds
 
-    def of(self, pieces: Pieces) -> tuple[Array, Array, Array]:
-        """Max |c'|, min |c'|, max |c''| of each piece."""
-        rigid = pieces.piece > UPPER
-        e = pieces.segment
+    def of(self, pieces: Pieces, kappas: Array) -> tuple[Array, Array, Array]:
+        """Max |c'|, min |c'|, max |c''| of each piece, kappa being known at its ends (2, k)."""
+        w, slope, curvature = self.thickness
+        flexible = pieces.piece <= UPPER
+        kappa_slope, gamma_slope = self.kappa_slope[pieces.segment], self.gamma_slope[pieces.segment]
+        kappa = np.abs(kappas).max(axis=0) + kappa_slope * (pieces.u1 - pieces.u0) / 2
+        stretched = slope / 2 + kappa * w / 2
+        bent = kappa + gamma_slope + curvature / 2 + kappa * slope + kappa_slope * w / 2 + kappa**2 * w / 2
         return (
-            np.where(rigid, 1.0, self.longest[e]),
-            np.where(rigid, 1.0, self.shortest[e]),
-            np.where(rigid, 0.0, self.bent[e]),
+            np.where(flexible, 1 + stretched, 1.0),
+            np.where(flexible, np.maximum(1 - stretched, 0.0), 1.0),
+            np.where(flexible, bent, 0.0),
         )
 
 
-def _lower_bound(
-    obstacle: Obstacle,
-    arc: _ArcBounds,
-    pieces: Pieces,
-    centers: Array,
-    ends: tuple[Array, Array],
-    slopes: tuple[Array, Array],
-    sizes: Array,
-) -> tuple[Array, bool]:
+def _lower_bound(obstacle: Obstacle, arc: _ArcBounds, pieces: Pieces, ends: _Ends) -> tuple[Array, bool]:
+    """A lower bound of g over each piece, and whether it is proved."""
     h = pieces.u1 - pieces.u0
-    longest, shortest, bent = arc.of(pieces)
-    bounds = obstacle.bounds(centers, h * longest / 2)
+    longest, shortest, bent = arc.of(pieces, ends.kappa)
+    bounds = obstacle.bounds(ends.points.mean(axis=0), h * longest / 2)
     if bounds is None:
-        steep, flat = _STEEPER * sizes.reshape(2, -1).max(axis=0), np.full(h.shape, -np.inf)
+        steep, flat = _STEEPER * ends.steepness.max(axis=0), np.full(h.shape, -np.inf)
     else:
         steep, flat = bounds
-    f0, f1 = ends
+    (f0, f1), slopes = ends.g, ends.slopes
     plain = (f0 + f1 - steep * h * longest) / 2
     with np.errstate(invalid="ignore", over="ignore"):
         M = steep * bent - flat * np.where(flat < 0, longest, shortest) ** 2
     finite = np.isfinite(M)
     convex = finite & (M < 0)
-    parabolas = _between_parabolas(f0, f1, *slopes, h, np.where(finite & (M > 0), M, 0.0))
+    parabolas = _between_parabolas(f0, f1, slopes[0], slopes[1], h, np.where(finite & (M > 0), M, 0.0))
     # a convex f lies above the vertex of either parabola
     stiff = np.where(convex, -M, 1.0)
     vertices = np.maximum(f0 - slopes[0] ** 2 / (2 * stiff), f1 - slopes[1] ** 2 / (2 * stiff))
@@ -208,14 +222,10 @@ def _deepest(inside: list[tuple[int, float, float]]) -> tuple[tuple[int, float],
     return tuple((piece, u) for piece, u, _ in found)
 
 
-def _engulfed(setting: Setting, obstacle: Obstacle, pieces: Pieces, points: Array) -> bool:
+def _engulfed(obstacle: Obstacle, pieces: Pieces, points: Complex) -> bool:
     """Whether the object's inner point lies within the finger: then its outline may be clear and yet all is wrong."""
-    inner = obstacle.place(np.asarray(obstacle.body.inner_point)[None])[0]
-    if not np.isfinite(inner).all():
+    inner = obstacle.inner_point
+    if not np.isfinite(inner):
         return False
-    polygon = np.concatenate([points[pieces.piece == 0], points[pieces.piece == 1][::-1]])
-    a, b = polygon, np.roll(polygon, -1, axis=0)
-    crosses = (a[:, 1] > inner[1]) != (b[:, 1] > inner[1])
-    rise = np.where(crosses, b[:, 1] - a[:, 1], 1.0)
-    x = a[:, 0] + (inner[1] - a[:, 1]) * (b[:, 0] - a[:, 0]) / rise
-    return bool(np.sum(crosses & (x > inner[0])) % 2)
+    polygon = np.concatenate([points[pieces.piece == LOWER], points[pieces.piece == UPPER][::-1]])
+    return bool(np.sum(crossings(inner, polygon)) % 2)

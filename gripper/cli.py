@@ -90,19 +90,17 @@ def _stop(message: str, status: int) -> NoReturn:
 
 
 def _run(scene_file: Path, folder: Path) -> None:
-    from gripper.output import prepare, write
+    from gripper.output import prepared, write
     from gripper.scenefile import SceneFileError, read
 
     try:
         scene = read(scene_file)
+        with _writing(folder), prepared(folder):
+            with _progress() as progress:
+                result = _solved(scene, scene_file, progress)
+            paths = write(folder, result)
     except SceneFileError as error:
         _stop(str(error), BAD_INPUT)
-    with _writing(folder):
-        prepare(folder)
-    with _progress() as progress:
-        result = _solved(scene, progress)
-    with _writing(folder):
-        paths = write(folder, result)
     typer.echo(str(result))
     for path in paths:
         typer.echo(path)
@@ -110,14 +108,18 @@ def _run(scene_file: Path, folder: Path) -> None:
         raise typer.Exit(FAILED_POSE)
 
 
-def _solved(scene: Scene, progress: Progress | None) -> Result:
-    if scene.motion is None:
-        from gripper.solve import solve
-
-        return solve(scene)
+def _solved(scene: Scene, scene_file: Path, progress: Progress | None) -> Result:
+    from gripper.scenefile import SceneFileError
+    from gripper.solve import solve
     from gripper.trace import trace
 
-    return trace(scene, progress=progress)
+    try:
+        return trace(scene, progress=progress) if scene.motion else solve(scene)
+    except ValueError as error:
+        if " must " not in str(error):
+            raise
+        # a rule that shows only along the finger or the motion, as a thickness below 0 or a pose of log(-1)
+        raise SceneFileError(f"{scene_file}: {error}") from error
 
 
 @contextlib.contextmanager

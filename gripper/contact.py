@@ -23,9 +23,10 @@ from numpy.typing import NDArray
 
 from gripper.beam import Beam
 from gripper.obstacle import Obstacle
-from gripper.outline import UPPER, Axis, Outline, Stations, rot90, second_derivative
+from gripper.outline import UPPER, Axis, Outline, Stations, dot, second_derivative
 
 Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
 Index = NDArray[np.intp]
 Kind = Literal["tangent", "corner", "vertex", "patch", "tail"]
 PRESSURES = 2  # pressure modes of a patch: constant and linear
@@ -92,8 +93,8 @@ class Linearisation:
     value_rates: Array  # dC/dq, (m,)
     residual_rates: Array  # dR/dq, (k,)
     load_rates: Array  # d(C_z^T lambda)/dq, (n,)
-    points: tuple[Array, ...]  # per site, where it touches, (j, 2)
-    forces: tuple[Array, ...]  # per site, force on the finger at those points, (j, 2)
+    points: tuple[Complex, ...]  # per site, where it touches, (j,)
+    forces: tuple[Complex, ...]  # per site, force on the finger at those points, (j,)
     stations: tuple[Array, ...]  # per site, the place u of those points, (j,)
 
 
@@ -131,8 +132,7 @@ def linearise(
             system.add_point(site, first, row, column, load[0])
         first, row, column = span.stop, row + site.multipliers, column + site.unknown_places
     hessian = second_derivative(axis, stations, system.pull) + system.extra
-    stiff = system.stiffness @ stations.gradients
-    hessian += stations.gradients.reshape(-1, beam.size).T @ stiff.reshape(-1, beam.size)
+    hessian += system.stiffened()
     return system.linearisation(hessian, queries)
 
 
@@ -167,7 +167,7 @@ def _stations(
     if left == right:
         return stations
     other = outline.stations(axis, piece, u, np.array(right))
-    return Stations(*((getattr(stations, f) + getattr(other, f)) / 2 for f in Stations.__dataclass_fields__))
+    return stations.mean(other)
 
 
 def _segments(beam: Beam, site: Site, kinks: bool) -> tuple[int, int]:
@@ -189,37 +189,54 @@ class _System:
     def __init__(self, size: int, sites: tuple[Site, ...], stations: Stations, obstacle: Obstacle) -> None:
         m, k, q = sum(s.multipliers for s in sites), sum(s.unknown_places for s in sites), len(stations.points)
         self.sites, self.stations, self.obstacle = sites, stations, obstacle
-        self.gap, self.normal, self.curvature = obstacle.curvature(stations.points)
-        self.slope = np.sum(self.normal * stations.tangents, axis=1)  # dg/du
-        self.pressing = (self.normal[:, None, :] @ stations.gradients)[:, 0]  # g_z, (q, n)
-        bent = (stations.tangents[:, None, :] @ self.curvature)[:, 0]
-        self.sliding = (bent[:, None, :] @ stations.gradients)[:, 0]  # d(dg/du)/dz, (q, n)
-        self.sliding += (self.normal[:, None, :] @ stations.tangent_gradients)[:, 0]
-        self.bending = np.sum(bent * stations.tangents, axis=1) + np.sum(self.normal * stations.curvatures, axis=1)
+        self.gap, self.normal, (self.a, self.b) = obstacle.curvature(stations.points)
+        tangents = stations.tangents
+        self.slope = dot(self.normal, tangents)  # dg/du
+        back = self.normal.conj()[:, None]
+        self.pressing = (back * stations.gradients).real  # g_z, (q, n)
+        bent = self._curved(tangents)
+        # d(dg/du)/dz, (q, n)
+        self.sliding = (bent.conj()[:, None] * stations.gradients + back * stations.tangent_gradients).real
+        self.bending = dot(bent, tangents) + dot(self.normal, stations.curvatures)
         passing = -obstacle.velocities(stations.points)
-        self.gap_rate = np.sum(self.normal * passing, axis=1)
-        self.normal_rate = (self.curvature @ passing[:, :, None])[:, :, 0] + obstacle.frame.spin * rot90(self.normal)
+        self.gap_rate = dot(self.normal, passing)
+        self.normal_rate = self._curved(passing) + 1j * obstacle.frame.spin * self.normal
         self.values, self.gradients, self.value_slopes = np.zeros(m), np.zeros((m, size)), np.zeros((m, k))
         self.residuals, self.residual_gradients = np.zeros(k), np.zeros((k, size))
         self.residual_slopes, self.load_slopes = np.zeros((k, k)), np.zeros((size, k))
         self.value_rates, self.residual_rates, self.load_rates = np.zeros(m), np.zeros(k), np.zeros(size)
-        self.pull, self.stiffness, self.extra = np.zeros((q, 2)), np.zeros((q, 2, 2)), np.zeros((size, size))
+        self.weights = np.zeros(q)  # force along grad g at each query
+        self.pull = np.zeros(q, dtype=complex)
+        self.extra = np.zeros((size, size))
 
-    def _load(self, i: int, force: float) -> None:
-        """A force along grad g at query i enters the Hessian and the loads' rate."""
-        self.pull[i] = force * self.normal[i]
-        self.stiffness[i] = force * self.curvature[i]
-        self.load_rates += force * (self.normal_rate[i] @ self.stations.gradients[i])
+    def _curved(self, vectors: Complex) -> Complex:
+        """The object's Hessian times vectors."""
+        return self.a * vectors + self.b * vectors.conj()
+
+    def _load(self, queries: slice, forces: Array | float) -> None:
+        """Forces along grad g enter the Hessian and the loads' rate."""
+        self.weights[queries] = forces
+        self.pull[queries] = forces * self.normal[queries]
+        turned = forces * self.normal_rate[queries].conj()
+        self.load_rates += (turned @ self.stations.gradients[queries]).real
+
+    def stiffened(self) -> Array:
+        """sum_i force_i c_z^T H c_z: the part of the Hessian that comes from the object's curvature."""
+        active = np.flatnonzero(self.weights)
+        gradients, weights = self.stations.gradients[active], self.weights[active]
+        a, b = (weights * self.a[active])[:, None], (weights * self.b[active])[:, None]
+        curved = a * gradients + b * gradients.conj()
+        return gradients.real.T @ curved.real + gradients.imag.T @ curved.imag
 
     def add_point(self, site: Site, i: int, row: int, column: int, force: float) -> None:
         """Tangent, or corner of the outline."""
         self.values[row], self.gradients[row], self.value_rates[row] = self.gap[i], self.pressing[i], self.gap_rate[i]
-        self._load(i, force)
+        self._load(slice(i, i + 1), force)
         if site.kind == "tangent":
             self.value_slopes[row, column] = self.residuals[column] = self.slope[i]
             self.residual_gradients[column], self.residual_slopes[column, column] = self.sliding[i], self.bending[i]
             self.load_slopes[:, column] = force * self.sliding[i]
-            self.residual_rates[column] = self.normal_rate[i] @ self.stations.tangents[i]
+            self.residual_rates[column] = dot(self.normal_rate[i], self.stations.tangents[i])
 
     def add_patch(self, site: Site, span: slice, row: int, column: int, load: Array) -> None:
         """Pressure over [a, b]: the gap's moments vanish, and the gap at the free ends."""
@@ -228,8 +245,7 @@ class _System:
         forces = load @ _MEAN
         self.values[rows], self.gradients[rows] = _MEAN @ self.gap[gauss], _MEAN @ self.pressing[gauss]
         self.value_rates[rows] = _MEAN @ self.gap_rate[gauss]
-        for i, force in zip(range(gauss.start, gauss.stop), forces, strict=True):
-            self._load(i, force)
+        self._load(gauss, forces)
         for end, shift in zip(range(site.unknown_places), ((1 - _GAUSS_X) / 2, (1 + _GAUSS_X) / 2), strict=False):
             i, at = gauss.stop + end, column + end
             self.value_slopes[rows, at] = _MEAN @ (shift * self.slope[gauss])
@@ -240,25 +256,28 @@ class _System:
     def add_vertex(self, site: Site, i: int, row: int, column: int, force: float) -> None:
         """Corner v of the object at the foot u of its normal: n . (c - v) = 0, (c - v) . t = 0."""
         stations, vertex = self.stations, self.obstacle.corners[site.vertex]
-        stretch = float(np.hypot(*stations.tangents[i]))
-        t = stations.tangents[i] / stretch
-        n = -rot90(t) if site.piece == UPPER else rot90(t)
-        # the tangent turns by phi: phi_z, phi_u; n follows by -t phi (upper face: its mirror image)
-        across = rot90(t)
-        turn_z, turn_u = across @ stations.tangent_gradients[i] / stretch, across @ stations.curvatures[i] / stretch
-        side = -1.0 if site.piece == UPPER else 1.0
-        away = stations.points[i] - vertex
-        gap, along, height = n @ away, t @ away, across @ away
-        push, pass_by = n @ stations.gradients[i], t @ stations.gradients[i]
-        velocity = self.obstacle.velocities(vertex)
-        self.values[row], self.gradients[row] = gap, push - side * along * turn_z
+        side = -1.0 if site.piece == UPPER else 1.0  # the finger's inside is left of the tangent, on the upper face right
+        stretch = float(abs(stations.tangents[i]))
+        t = complex(stations.tangents[i]) / stretch
+        across = 1j * t
+        n = side * across
+        # the tangent turns by phi (phi_z, phi_u), and n by -side t phi
+        turn_z = (across.conjugate() * stations.tangent_gradients[i]).real / stretch
+        turn_u = (across.conjugate() * complex(stations.curvatures[i])).real / stretch
+        local = t.conjugate() * (stations.points[i] - vertex)
+        along, height = float(local.real), float(local.imag)
+        moving = t.conjugate() * stations.gradients[i]
+        pass_by, push = moving.real, side * moving.imag
+        velocity = complex(self.obstacle.velocities(vertex))
+        slipping, pushing = (t.conjugate() * velocity).real, (n.conjugate() * velocity).real
+        self.values[row], self.gradients[row] = side * height, push - side * along * turn_z
         self.value_slopes[row, column] = -side * turn_u * along
-        self.value_rates[row] = -n @ velocity
+        self.value_rates[row] = -pushing
         self.residuals[column], self.residual_gradients[column] = along, pass_by + height * turn_z
         self.residual_slopes[column, column] = stretch + height * turn_u
-        self.residual_rates[column] = -t @ velocity
+        self.residual_rates[column] = -slipping
         self.load_slopes[:, column] = -force * side * turn_u * pass_by
-        self.load_rates += force * side * (t @ velocity) * turn_z
+        self.load_rates += force * side * slipping * turn_z
         self.pull[i] = force * n
         mixed = np.outer(pass_by, turn_z)
         self.extra -= force * side * (mixed + mixed.T)

@@ -110,9 +110,9 @@ class Equilibrium:
         return _split(rates, lin)
 
     @property
-    def force(self) -> Array:
-        """Total contact force on the finger, (2,)."""
-        return sum((f.sum(axis=0) for f in self.linear.forces), np.zeros(2))
+    def force(self) -> complex:
+        """Total contact force on the finger, x + iy."""
+        return complex(sum(f.sum() for f in self.linear.forces))
 
 
 class NoEquilibriumError(Exception):

@@ -126,6 +126,8 @@ def _power(base: Any, exponent: Any, known: dict[Any, Interval]) -> Interval:
     if exponent.is_Integer:
         n = int(exponent)
         return _integer_power(a, n) if n > 0 else _reciprocal(_integer_power(a, -n))
+    if exponent.is_number and not exponent.is_extended_real:
+        raise NoEnclosureError(f"expression must have real exponents; got {exponent}")
     if exponent.is_number and exponent > 0:
         return _positive_power(a, exponent)
     if exponent.is_number:
@@ -134,10 +136,12 @@ def _power(base: Any, exponent: Any, known: dict[Any, Interval]) -> Interval:
 
 
 def _integer_power(a: Interval, n: int) -> Interval:
+    if n == 1:
+        return a
     ends = a[0] ** n, a[1] ** n
-    low, high = _outward(np.minimum(*ends), np.maximum(*ends), 1 if n <= 2 else ULPS)
+    low, high = _outward(np.minimum(*ends), np.maximum(*ends), 1 if n == 2 else ULPS)
     if n % 2:
-        return low, high
+        return np.where(a[0] == 0, 0.0, low), np.where(a[1] == 0, 0.0, high)
     holds_zero = (a[0] <= 0) & (a[1] >= 0)
     return np.where(holds_zero, 0.0, np.maximum(low, 0.0)), high
 

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
+import cmath
 import functools
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import numpy as np
 import sympy
-from numpy.typing import NDArray
 
 from gripper.obstacle import Frame
 from gripper.pose import Pose, placed
 from gripper.scene import Scene
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -25,10 +23,14 @@ class Placement:
     object: tuple[float, float, float]
 
     @property
-    def clamp_rotation(self) -> Array:
-        """From the clamp's axes to the world's."""
-        c, s = np.cos(self.clamp[2]), np.sin(self.clamp[2])
-        return np.array([[c, -s], [s, c]])
+    def turn(self) -> complex:
+        """From the clamp's axes to the world's: a factor on vectors x + iy."""
+        return cmath.exp(1j * self.clamp[2])
+
+    @property
+    def origin(self) -> complex:
+        """The clamp, in the world."""
+        return complex(*self.clamp[:2])
 
 
 @functools.lru_cache(maxsize=256)
@@ -57,7 +59,7 @@ class Kinematics:
             values = [float(v) for v in self._function(parameter)]
         except (ValueError, ZeroDivisionError, OverflowError) as error:
             raise ValueError(f"poses must be finite at every pose; at {parameter!r}: {error}") from error
-        if not np.isfinite(values).all():
+        if not all(map(math.isfinite, values)):
             raise ValueError(f"poses must be finite at every pose; got {values[:6]} at {parameter!r}")
         return values
 
@@ -75,10 +77,9 @@ class Kinematics:
             Where a pose is not finite.
         """
         x, y, turn, xo, yo, turn_o, dx, dy, dturn, dxo, dyo, dturn_o = self._values(parameter)
-        c, s = np.cos(turn), np.sin(turn)
-        inverse = np.array([[c, s], [-s, c]])
-        origin = inverse @ np.array([xo - x, yo - y]) / self.length
-        velocity = inverse @ np.array([dxo - dx, dyo - dy]) / self.length - dturn * np.array([-origin[1], origin[0]])
+        inverse = cmath.exp(-1j * turn) / self.length
+        origin = inverse * complex(xo - x, yo - y)
+        velocity = inverse * complex(dxo - dx, dyo - dy) - 1j * dturn * origin
         return Frame(origin, turn_o - turn, velocity, dturn_o - dturn)
 
 
@@ -87,7 +88,7 @@ class Retreat:
     """A straight approach: the frame of a pose, shifted back along a direction; its parameter runs from -t to 0."""
 
     final: Frame
-    direction: Array  # unit, in the clamp's frame
+    direction: complex  # unit, in the clamp's frame
 
     def frame(self, parameter: float) -> Frame:
         """The object at a distance (by L) before its pose."""

@@ -1,4 +1,4 @@
-"""The object as the finger sees it: in the clamp's frame, dimensionless, with its motion."""
+"""The object as the finger sees it: in the clamp's frame, dimensionless, with its motion; vectors are x + iy."""
 
 from __future__ import annotations
 
@@ -10,66 +10,76 @@ from numpy.typing import NDArray
 from gripper.objects import Object
 
 Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Frame:
-    """The object's pose relative to the clamp, lengths by L, and its rate of change with the motion's parameter."""
+    """The object's pose relative to the clamp, lengths by L, and its rates with the motion's parameter."""
 
-    origin: Array
+    origin: complex
     angle: float
-    velocity: Array
+    velocity: complex
     spin: float
 
-    @property
-    def rotation(self) -> Array:
-        """From the object's frame to the clamp's."""
-        c, s = np.cos(self.angle), np.sin(self.angle)
-        return np.array([[c, -s], [s, c]])
+
+def _plane(points: Complex) -> Array:
+    """Complex numbers (k,) as points (k, 2)."""
+    return np.column_stack([points.real, points.imag])
+
+
+def _complex(points: Array) -> Complex:
+    """Points (k, 2) as complex numbers (k,)."""
+    return points[:, 0] + 1j * points[:, 1]
 
 
 class Obstacle:
-    """An object at a pose: g / L, grad g and L times its Hessian over points in the clamp's frame (lengths by L)."""
+    """An object at a pose: g / L, grad g and L times its Hessian over points in the clamp's frame (lengths by L).
+
+    A Hessian H is given as the pair (a, b) with H v = a v + b conj(v): a is half its trace.
+    """
 
     def __init__(self, body: Object, length: float, frame: Frame) -> None:
         self.body, self.length, self.frame = body, length, frame
-        self._rotation = frame.rotation
-        self._corners = body.corners
+        self._turn = complex(np.exp(1j * frame.angle))
+        self.corners = self.place(_complex(body.corners))
 
-    def local(self, points: Array) -> Array:
-        """Points in the object's own frame, in m."""
-        return ((points - self.frame.origin) @ self._rotation) * self.length
+    def local(self, points: Complex) -> Array:
+        """Points (k, 2) in the object's own frame, in m."""
+        return _plane((points - self.frame.origin) * (self.length * self._turn.conjugate()))
 
-    def gap(self, points: Array) -> Array:
+    def place(self, points: Complex) -> Complex:
+        """Points of the object's own frame (m) in the clamp's frame (by L)."""
+        return points * (self._turn / self.length) + self.frame.origin
+
+    def gap(self, points: Complex) -> Array:
         """G / L."""
         return self.body.evaluate(self.local(points), 0)[0] / self.length
 
-    def slope(self, points: Array) -> tuple[Array, Array]:
+    def slope(self, points: Complex) -> tuple[Array, Complex]:
         """G / L and grad g."""
         g, gradient = self.body.evaluate(self.local(points), 1)
-        return g / self.length, gradient @ self._rotation.T
+        return g / self.length, _complex(gradient) * self._turn
 
-    def curvature(self, points: Array) -> tuple[Array, Array, Array]:
-        """G / L, grad g, and L times the Hessian of g."""
+    def curvature(self, points: Complex) -> tuple[Array, Complex, tuple[Array, Complex]]:
+        """G / L, grad g, and L times the Hessian of g as (a, b)."""
         g, gradient, hessian = self.body.evaluate(self.local(points), 2)
-        turned = self._rotation @ hessian @ self._rotation.T
-        return g / self.length, gradient @ self._rotation.T, turned * self.length
+        half = self.length / 2
+        trace = half * (hessian[:, 0, 0] + hessian[:, 1, 1])
+        rest = half * (hessian[:, 0, 0] - hessian[:, 1, 1] + 2j * hessian[:, 0, 1]) * self._turn**2
+        return g / self.length, _complex(gradient) * self._turn, (trace, rest)
 
-    def bounds(self, centers: Array, radii: Array) -> tuple[Array, Array] | None:
+    def bounds(self, centers: Complex, radii: Array) -> tuple[Array, Array] | None:
         """Over discs: an upper bound of |grad g| and a lower bound of L times the Hessian's eigenvalues."""
         bounds = self.body.bounds(self.local(centers), radii * self.length)
         return None if bounds is None else (bounds[0], bounds[1] * self.length)
 
-    @property
-    def corners(self) -> Array:
-        """The object's corners (k, 2) in the clamp's frame."""
-        return self.place(self._corners) if len(self._corners) else self._corners
-
-    def place(self, points: Array) -> Array:
-        """Points of the object's own frame (m) in the clamp's frame (by L)."""
-        return points / self.length @ self._rotation.T + self.frame.origin
-
-    def velocities(self, points: Array) -> Array:
+    def velocities(self, points: Complex) -> Complex:
         """Velocity of the object's matter at points of the clamp's frame, per unit of the motion's parameter."""
-        arm = points - self.frame.origin
-        return self.frame.velocity + self.frame.spin * np.stack([-arm[..., 1], arm[..., 0]], axis=-1)
+        return self.frame.velocity + 1j * self.frame.spin * (points - self.frame.origin)
+
+    @property
+    def inner_point(self) -> complex:
+        """A point well inside the object (not finite where it has none)."""
+        x, y = np.asarray(self.body.inner_point, dtype=float)
+        return complex(self.place(np.array([complex(x, y)]))[0])

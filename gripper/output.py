@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
 import json
 import os
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,20 +17,31 @@ if TYPE_CHECKING:
 FILES = ("result.json", "curve.csv", "snapshots.png")
 
 
-def prepare(folder: Path) -> None:
+@contextlib.contextmanager
+def prepared(folder: Path) -> Iterator[None]:
     """Make the folder and see that files can be written there, before anything is solved.
+
+    What it made is removed again when the run inside does not come to its end.
 
     Raises
     ------
     OSError
         They cannot.
     """
-    folder.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryFile(dir=folder):
-        pass
-    for name in FILES:
-        if (folder / name).is_dir():
-            raise IsADirectoryError(f"a folder in the place of {name}")
+    made = [path for path in (folder, *folder.parents) if not path.exists()]
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+        for name in FILES:
+            if (folder / name).is_dir():
+                raise IsADirectoryError(f"a folder in the place of {name}")
+        yield
+    except BaseException:  # an interruption too
+        for path in made:
+            with contextlib.suppress(OSError):  # not made, or no longer empty
+                path.rmdir()
+        raise
 
 
 def write(folder: Path, result: Result) -> tuple[Path, ...]:

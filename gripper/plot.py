@@ -123,13 +123,12 @@ def _mark(ax: Axes, events: Sequence[Event], span: float) -> None:
             groups[-1].append(event)
         else:
             groups.append([event])
-    for group in groups:
-        for event in group:
-            ax.axvline(event.parameter, color=INK, linewidth=0.8, linestyle=":")
-        text = ", ".join(dict.fromkeys(event.kind for event in group))
-        place = (group[0].parameter, 1.0)
-        across = ax.get_xaxis_transform()
-        ax.annotate(text, place, (-2, -3), across, "offset points", rotation=90, ha="right", va="top", fontsize=_SMALL)
+    for event in events:
+        ax.axvline(event.parameter, color=INK, linewidth=0.8, linestyle=":")
+    if groups:
+        kinds = [", ".join(dict.fromkeys(event.kind for event in group)) for group in groups]
+        names = ax.secondary_xaxis("top")  # above the curves, which they would hide
+        names.set_xticks([group[0].parameter for group in groups], kinds, rotation=90, fontsize=_SMALL)
 
 
 def _checked(result: Result, i: int) -> int:
@@ -186,7 +185,7 @@ def _filmstrip(result: Result, drawn: Sequence[Sketch], boxes: Sequence[Box], ke
     rows, columns = _grid(len(drawn), aspect)
     panel = min(WIDTH / columns - 0.45, 0.65 * WIDTH / aspect)  # the labels take the rest
     spare = rows * columns > len(drawn)
-    height = rows * (panel * aspect + 0.5) + (0.4 if spare else 1.0)
+    height = rows * (panel * aspect + 0.5) + (0.6 if spare else 1.2)
     figure = Picture(figsize=(WIDTH, height), layout="constrained")
     panels = figure.subplots(rows, columns, squeeze=False).ravel().tolist()
     for ax, snapshot, window in zip(panels, drawn, windows, strict=False):

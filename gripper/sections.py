@@ -37,7 +37,9 @@ class Sections:
     kinks: tuple[float, ...]
     thickness_bounds: tuple[float, float, float]
     """Upper bounds of w / L, abs(dw/ds), L abs(d2w/ds2), proved by interval arithmetic (infinite where it cannot)."""
-    _profile: tuple[Callable[[Array], Array], ...]
+    _thickness: Callable[[Array], Array]
+    _width: Callable[[Array], Array]
+    _profile: Callable[[Array], tuple[Array | float, ...]]
 
     @property
     def force_scale(self) -> float:
@@ -51,26 +53,23 @@ class Sections:
 
     def thickness(self, sigma: Array) -> Array:
         """w / L."""
-        return self._profile[0](sigma * self.length) / self.length
+        return self._thickness(sigma * self.length) / self.length
 
-    def thickness_slope(self, sigma: Array) -> Array:
-        """dw/ds."""
-        return self._profile[1](sigma * self.length)
-
-    def thickness_curvature(self, sigma: Array) -> Array:
-        """L d2w/ds2."""
-        return self._profile[2](sigma * self.length) * self.length
+    def profile(self, sigma: Array) -> tuple[Array | float, ...]:
+        """w / L, dw/ds and L d2w/ds2; a constant is one number."""
+        w, slope, curvature = self._profile(sigma * self.length)
+        return w / self.length, slope, curvature * self.length
 
     def EI(self, sigma: Array) -> Array:
         """Bending stiffness over EI(0): E b w^3 / 12."""
         s = sigma * self.length
         modulus = self.finger.material.bending_modulus
-        return modulus * self._profile[3](s) * self._profile[0](s) ** 3 / 12 / self.bending_stiffness
+        return modulus / 12 / self.bending_stiffness * self._width(s) * self._thickness(s) ** 3
 
     def GA(self, sigma: Array) -> Array:
         """Shear stiffness times L^2 over EI(0), Kaneko's coefficient included: kappa_s G b w."""
         s, material = sigma * self.length, self.finger.material
-        rigidity = material.shear_coefficient * material.G * self._profile[3](s) * self._profile[0](s)
+        rigidity = material.shear_coefficient * material.G * self._width(s) * self._thickness(s)
         return rigidity * self.length**2 / self.bending_stiffness
 
 
@@ -84,9 +83,10 @@ def sections(finger: Finger) -> Sections:
         Where the thickness or the width is not positive and finite somewhere on [0, L].
     """
     w, b = sympy.sympify(finger.w(S)), sympy.sympify(finger.b(S))
-    profile = tuple(_compiled(e) for e in (w, sympy.diff(w, S), sympy.diff(w, S, 2), b))
+    thickness, width = _compiled(w), _compiled(b)
+    profile = sympy.lambdify([S], [w, sympy.diff(w, S), sympy.diff(w, S, 2)], "numpy", cse=True)
     stations = _CHECKED * finger.length
-    for name, function in (("thickness", profile[0]), ("width", profile[3])):
+    for name, function in (("thickness", thickness), ("width", width)):
         values: Any = function(stations)
         wrong = ~(np.isfinite(values) & (values > 0))
         if wrong.any():
@@ -94,9 +94,10 @@ def sections(finger: Finger) -> Sections:
             raise ValueError(
                 f"{name} must be positive along the finger, in m; got {values[wrong][0]!r} at s = {place!r}"
             )
-    stiffness = finger.material.bending_modulus * float(profile[3](0.0) * profile[0](0.0) ** 3) / 12  # type: ignore[arg-type]
+    clamp = np.zeros(1)
+    stiffness = finger.material.bending_modulus * float((width(clamp) * thickness(clamp) ** 3)[0]) / 12
     kinks = tuple(sorted(k / finger.length for k in finger.kinks()))
-    return Sections(finger, finger.length, stiffness, kinks, _bounds(w, finger.length), profile)
+    return Sections(finger, finger.length, stiffness, kinks, _bounds(w, finger.length), thickness, width, profile)
 
 
 def _bounds(w: sympy.Expr, length: float) -> tuple[float, float, float]:

@@ -14,20 +14,21 @@ from gripper.obstacle import Obstacle
 from gripper.outline import Axis
 
 Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
 _STEPS = 400
 _LONGEST = 0.02  # of L: no point of the axis moves further in a step, so that nothing is passed through
 _REST = 1e-6  # of L: the finger has come to rest
 _MARKS = np.linspace(0.125, 1.0, 8)
 
 
-def axis_points(state: State) -> Array:
-    """Points of the axis (8, 2), by L: how states are compared."""
+def axis_points(state: State) -> Complex:
+    """Points of the axis (8,), by L: how states are compared."""
     return Axis.of(state.beam, state.z).values(_MARKS, state.beam.segment_of(_MARKS))[0]
 
 
 def distance(a: State, b: State) -> float:
     """Largest distance between the axes of two states, by L."""
-    return float(np.max(np.hypot(*(axis_points(a) - axis_points(b)).T)))
+    return float(np.max(np.abs(axis_points(a) - axis_points(b))))
 
 
 def descend(setting: Setting, obstacle: Obstacle, start: State, order: int) -> Verified:

@@ -56,7 +56,7 @@ def approach(fixed: Setting, final: Frame, direction: tuple[float, float], order
     NoEquilibriumError
         Where no retreat frees the finger, or no equilibrium could be followed on the way back.
     """
-    unit = np.array(direction) / np.hypot(*direction)
+    unit = complex(*direction) / abs(complex(*direction))
     path = Retreat(final, unit)
     beam = fixed.beam((), order)
     straight = State(beam, np.zeros(beam.size))
@@ -68,7 +68,7 @@ def approach(fixed: Setting, final: Frame, direction: tuple[float, float], order
             break
         if back > _FURTHEST:
             raise NoEquilibriumError(
-                f"the object holds the finger however far it retreats along {tuple(-unit)}: "
+                f"the object holds the finger however far it retreats against {direction}: "
                 "give another direction in [approach], or a motion that starts from a free pose"
             )
         back += max(pace, -found.min_gap)
@@ -102,7 +102,7 @@ def solve(scene: Scene) -> Result:
     began = time.process_time()
     try:
         verified, order = approach(fixed, frame, scene.approach, first_order(scene.tolerance))
-        still = Retreat(frame, np.zeros(2))
+        still = Retreat(frame, 0j)
         tracker = Tracker.resume(fixed, still, 0.0, order, verified)
         pose = _timed(fixed, kinematics, tracker.advance(0.0), None, 0.0, began)
     except NoEquilibriumError as error:

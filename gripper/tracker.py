@@ -106,7 +106,7 @@ class Tracker:
         box = np.array(self.setting.body.box)
         size = float(np.max(np.abs(box))) / self.setting.sections.length
         reach = min(size * np.sqrt(2.0), 2.0)
-        moved = np.hypot(*np.diff(origins, axis=0).T) + reach * np.abs(np.diff(angles))
+        moved = np.abs(np.diff(origins)) + reach * np.abs(np.diff(angles))
         return float(np.sum(moved))
 
     @property

@@ -1,6 +1,9 @@
+import json
 import re
+import signal
 import subprocess
 import sys
+import time
 from importlib.metadata import version
 from pathlib import Path
 
@@ -8,7 +11,9 @@ import pytest
 from typer.testing import CliRunner
 
 from gripper.cli import app
+from gripper.output import FILES
 from gripper.registry import GROUPS, installed
+from gripper.scenefile import read, resolved
 
 GALLERY = Path(__file__).parent.parent / "gallery"
 GOOD = (GALLERY / "rotating_finger.toml").read_text()
@@ -22,6 +27,8 @@ BAD = {
     "code": GOOD.replace("length = 0.1778", "length = \"__import__('os').system('touch executed')\""),
     "a tower of powers": GOOD.replace("length = 0.1778", 'length = "9**9**9**9"'),
     "too many poses": GOOD.replace("poses = 49", "poses = 1000000000"),
+    "a width below 0": GOOD.replace("width = 0.025", 'width = "0.01 - s"'),
+    "a pose that is not real": GOOD.replace('x = "x_e"', 'x = "log(x_e)"'),
     "friction": GOOD + "\n[friction]\ncoefficient = 0.2\n",
 }
 
@@ -99,3 +106,42 @@ def test_the_command_line_starts_without_what_is_heavy():
     code = "import sys, gripper.cli; print({'sympy', 'scipy', 'matplotlib', 'pydantic', 'numpy'} & set(sys.modules))"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert run.stdout == "set()\n"
+
+
+def short(text, poses):
+    return text.replace("poses = 49", f"poses = {poses}")
+
+
+def test_a_run_writes_its_files_prints_the_result_and_stays_quiet_in_a_pipe(tmp_path):
+    path = scene_file(tmp_path, short(GOOD, 3))
+    outcome = gripper("run", path, "-o", tmp_path / "new" / "out")
+    assert (outcome.exit_code, outcome.stderr) == (0, "")
+    paths = [tmp_path / "new" / "out" / name for name in FILES]
+    assert outcome.stdout.splitlines()[-3:] == [str(path) for path in paths]
+    assert outcome.stdout.startswith("Tapered rubber finger")
+    written = json.loads(paths[0].read_text())
+    assert [pose["parameter"] for pose in written["poses"]] == pytest.approx([-0.1016, 0.0508, 0.2032])
+    assert written["scene"] == resolved(read(path))
+
+
+def test_a_scene_without_motion_is_one_pose_and_goes_to_out_by_its_name(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    text = GOOD[: GOOD.index("[motion]")].replace('"102 deg - 236.22 deg * x_e"', '"90 deg"').replace('"x_e"', "0.0508")
+    outcome = gripper("run", scene_file(tmp_path, text))
+    assert (outcome.exit_code, outcome.stderr) == (0, "")
+    assert sorted(path.name for path in (tmp_path / "out" / "scene").iterdir()) == sorted(FILES)
+
+
+def test_an_interrupted_run_ends_with_status_130_one_line_and_no_file(tmp_path):
+    folder = tmp_path / "out"
+    command = [sys.executable, "-m", "gripper", "run", scene_file(tmp_path, short(GOOD, 1_000_000)), "-o", folder]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as run:
+        give_up = time.monotonic() + 30
+        while not folder.exists() and time.monotonic() < give_up:
+            time.sleep(0.05)
+        run.send_signal(signal.SIGINT)
+        stdout, stderr = run.communicate(timeout=30)
+    assert (run.returncode, stdout) == (130, "")
+    assert stderr.startswith("interrupted: ")
+    assert len(stderr.splitlines()) == 1
+    assert not folder.exists()

@@ -47,9 +47,17 @@ LEAVES = st.one_of(
 )
 
 
+def built(function, *arguments):
+    """The expression, or x where sympy refuses to build it (a bound of something that is not real)."""
+    try:
+        return function(*arguments)
+    except (ArithmeticError, TypeError, ValueError):
+        return X
+
+
 def grown(children):
-    unary = st.builds(lambda f, u: f(u), st.sampled_from(UNARY), children)
-    binary = st.builds(lambda f, u, v: f(u, v), st.sampled_from(BINARY), children, children)
+    unary = st.builds(built, st.sampled_from(UNARY), children)
+    binary = st.builds(built, st.sampled_from(BINARY), children, children)
     return st.one_of(unary, binary)
 
 
@@ -63,7 +71,7 @@ def real_value(expression, x, y):
     with mpmath.workdps(40):
         try:
             value = sympy.lambdify((X, Y), expression, "mpmath")(mpmath.mpf(x), mpmath.mpf(y))
-        except (ZeroDivisionError, ValueError, OverflowError):
+        except (ArithmeticError, AttributeError, TypeError, ValueError):  # mpmath's words for: not real
             return None
         value = mpmath.mpmathify(value)
         if isinstance(value, mpmath.mpc):
@@ -71,7 +79,7 @@ def real_value(expression, x, y):
         return None if mpmath.isnan(value) or mpmath.isinf(value) else value
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=200, deadline=None)
 @given(EXPRESSIONS, ENDS, ENDS, SHARES)
 def test_a_range_holds_every_value_over_its_box(expression, x_ends, y_ends, shares):
     if expression.has(sympy.zoo, sympy.nan, sympy.oo, sympy.I):

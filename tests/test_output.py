@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from gripper.output import FILES, prepare, write
+from gripper.output import FILES, prepared, write
 from gripper.result import Model, PoseResult, Result, Shape
 from gripper.scenefile import read, resolved
 
@@ -31,8 +31,8 @@ def result(*poses):
 
 @pytest.mark.parametrize("poses", [(FAILED,), (free(),), (free(), FAILED)])
 def test_every_run_leaves_three_complete_files_and_no_other(tmp_path, poses):
-    prepare(tmp_path / "a" / "b")
-    paths = write(tmp_path / "a" / "b", result(*poses))
+    with prepared(tmp_path / "a" / "b"):
+        paths = write(tmp_path / "a" / "b", result(*poses))
     assert [path.name for path in paths] == list(FILES)
     assert sorted((tmp_path / "a" / "b").iterdir()) == sorted(paths)
     written = json.loads(paths[0].read_text())
@@ -59,3 +59,10 @@ def test_a_full_disk_leaves_the_earlier_files_as_they_were(tmp_path):
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, limits)
     assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
+@pytest.mark.parametrize("reason", [KeyboardInterrupt, OSError])
+def test_a_run_that_ends_early_leaves_no_empty_folder(tmp_path, reason):
+    with pytest.raises(reason), prepared(tmp_path / "a" / "b"):
+        raise reason
+    assert list(tmp_path.iterdir()) == []

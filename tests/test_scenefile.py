@@ -386,6 +386,7 @@ class Sample:
     side: Literal["left", "right"] = "left"
     limit: Positive | None = None
     hollow: bool = False
+    layers: int | None = None
     corners: tuple[Point, ...] = ()
     name_or_size: str | float = 0.0
 
@@ -435,7 +436,7 @@ def test_fields_are_read_by_their_annotations():
         ({"count": 1.5}, "file.toml: part.count: must be a whole number; got 1.5"),
         ({"count": True}, "part.count: must be a number, or an expression in a string; got true"),
         ({"label": 3}, "part.label: must be a valid string; got 3"),
-        ({"hollow": 2}, "part.hollow: must be a valid boolean"),
+        ({"hollow": "yes"}, "part.hollow: must be true or false; got 'yes'"),
         ({"side": "up"}, "part.side: must be 'left' or 'right'; got 'up'"),
         ({"limit": 0}, "part.limit: must be a positive number, in SI units; got 0.0"),
         ({"limit": "0 mm"}, "part.limit: must be a positive number"),
@@ -445,6 +446,7 @@ def test_fields_are_read_by_their_annotations():
         ({"name_or_size": []}, "part.name_or_size"),
         ({"count": 13}, "part: must be what a Sample can be made of (it fails with ZeroDivisionError: unlucky)"),
         ({"count": 14}, "file.toml: part: corners and count must differ; got 14"),
+        ({"layers": True}, "part.layers: must be a number"),
         ({"sise": 1}, "part.sise: must be a known key: size, profile, "),
     ],
 )

@@ -60,15 +60,16 @@ def converted(annotation: Any, value: Any, place: Place) -> Any:
     origin, arguments = get_origin(annotation), get_args(annotation)
     if origin is Annotated:
         variables = next((item for item in arguments[1:] if isinstance(item, Variables)), None)
-        return (
-            converted(arguments[0], value, place) if variables is None else _text(arguments[0], value, variables, place)
-        )
+        plain = arguments[0]
+        return _text(plain, value, variables, place) if variables else converted(plain, value, place)
     if origin in (Union, UnionType):
         return _one_of(arguments, value, place)
     if origin is tuple:
         return _tuple(arguments, value, place)
     if annotation is float:
         return read_number(value, place)
+    if annotation is bool and not isinstance(value, bool):  # pydantic takes "yes" and 1 too
+        raise place.error("must be true or false", shown(value))
     return read_count(value, place) if annotation is int else value
 
 
@@ -83,8 +84,8 @@ def _text(annotation: Any, value: Any, variables: Variables, place: Place) -> An
 def _one_of(annotations: tuple[Any, ...], value: Any, place: Place) -> Any:
     if isinstance(value, str) and str in annotations:
         return value
-    wanted = tuple if isinstance(value, list) else float
-    fitting = [item for item in annotations if item is wanted or get_origin(item) is wanted]
+    wanted = (tuple,) if isinstance(value, list) else (float, int)
+    fitting = [item for item in annotations if item in wanted or get_origin(item) in wanted]
     annotated = [item for item in annotations if get_origin(item) is Annotated]
     return converted((fitting + annotated)[0], value, place) if fitting or annotated else value
 
