@@ -1,1 +1,47 @@
-"""Compliant grippers: the bent shape and the contact forces of a flexible finger on a rigid outline."""
+"""Compliant grippers: the bent shape and the contact forces of a flexible finger on a rigid outline.
+
+    import gripper as gr
+
+    result = gr.solve(gr.Scene(finger=..., object=...))   # one pose
+    result = gr.trace(gr.Scene(..., motion=...))          # a motion
+    problem = gr.assemble(scene)                          # the NCO problem, ready for scipy.optimize.minimize
+
+After C.-C. Lan and K.-M. Lee, "An Analytical Method for Design of Compliant Grippers with Macro/Micro Manipulation
+and Assembly Applications". SI units and radians throughout.
+"""
+
+from gripper.assemble import Problem, assemble
+from gripper.fields import Expression, Finite, Point, Positive, Profile, Surface
+from gripper.fingers import Finger, Jaw, Material
+from gripper.objects import ImplicitSurface, Object
+from gripper.pose import Placed, Pose
+from gripper.result import Contact, Event, PoseResult, Result
+from gripper.scene import Motion, Scene
+from gripper.solve import solve
+from gripper.trace import trace
+
+__all__ = [
+    "Contact",
+    "Event",
+    "Expression",
+    "Finger",
+    "Finite",
+    "ImplicitSurface",
+    "Jaw",
+    "Material",
+    "Motion",
+    "Object",
+    "Placed",
+    "Point",
+    "Pose",
+    "PoseResult",
+    "Positive",
+    "Problem",
+    "Profile",
+    "Result",
+    "Scene",
+    "Surface",
+    "assemble",
+    "solve",
+    "trace",
+]

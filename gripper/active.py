@@ -20,6 +20,8 @@ _ROUNDS = 6
 _ACTIVE = 1e-6  # of the largest multiplier
 _PATCH = 1e-4  # of L: narrower patches are points (the mean tangent's error falls with the square of the width)
 _WIDEST = 0.3  # of L: first guess of a patch
+_TOGETHER = 0.02  # of L: tangents nearer than this are one contact
+_TIP = 0.1  # of L: a contact this near to the tip may be the corner's
 _PULL = 1e-9  # relative: multipliers this negative are round-off
 REACH = 0.05
 """Stretches of outline this near to the object (by L) are candidates from the start; the survey adds others."""
@@ -31,6 +33,7 @@ class Verified:
 
     equilibrium: Equilibrium
     survey: Survey
+    stability: float = 1.0
 
 
 def fit_patches(setting: Setting, equilibrium: Equilibrium) -> tuple[Site, ...]:
@@ -115,9 +118,10 @@ def verify(setting: Setting, equilibrium: Equilibrium) -> Verified:
     found = survey(setting, equilibrium.obstacle, equilibrium.state)
     if not found.clear:
         raise NoEquilibriumError("the object penetrates the finger elsewhere")
-    if stability(equilibrium) <= 0:
+    stiffness = stability(equilibrium)
+    if stiffness <= 0:
         raise NoEquilibriumError("the equilibrium is unstable")
-    return Verified(equilibrium, found)
+    return Verified(equilibrium, found, stiffness)
 
 
 def stability(equilibrium: Equilibrium) -> float:
@@ -228,7 +232,7 @@ def _corner_at(setting: Setting, piece: int, u: float) -> int | None:
 def _merged(chosen: list[tuple[Site, float]]) -> list[tuple[Site, float]]:
     """One contact for neighbours: both sides of a kink, or a corner found twice."""
     out: list[tuple[Site, float]] = []
-    for site, force in sorted(chosen, key=lambda item: (item[0].kind, item[0].piece, item[0].vertex, item[0].middle if item[0].place else 0.0)):
+    for site, force in sorted(chosen, key=lambda item: (item[0].kind, item[0].piece, item[0].vertex, item[0].place)):
         last = out[-1][0] if out else None
         same = last is not None and (last.kind, last.piece, last.vertex) == (site.kind, site.piece, site.vertex)
         if same and last is not None and (not site.place or site.place[0] - last.place[0] < _TOGETHER):
@@ -242,27 +246,28 @@ def _merged(chosen: list[tuple[Site, float]]) -> list[tuple[Site, float]]:
     return out
 
 
-_TOGETHER = 0.02  # of L: tangents nearer than this are one contact
-
-
 def _alternatives(setting: Setting, contacts: list[tuple[Site, float]]) -> list[tuple[tuple[Site, ...], Array]]:
     """The set as found; near the tip also the corner alone, and a patch that ends in the corner."""
     sets = [contacts]
-    for corner, face in ((0, LOWER), (1, UPPER)):
-        number = setting.outline.corner_piece(corner)
-        at_tip = [c for c in contacts if (c[0].kind == "tangent" and c[0].piece == face and c[0].place[0] > 0.9) or c[0].piece == number]
-        if not at_tip or corner >= len(setting.outline.corners) or setting.outline.corners[corner].on != "tip":
+    for face in (LOWER, UPPER):
+        number = setting.outline.tip_corner(face)
+        at_tip = [c for c in contacts if _near_tip(c[0], face) or c[0].piece == number]
+        if number is None or not at_tip:
             continue
         rest = [c for c in contacts if c not in at_tip]
         force = sum(f for _, f in at_tip)
-        sets.append([*rest, (Site("corner", number, ()), force)])
+        corner = Site("corner", number, ())
+        sets.append([*rest, (corner, force)])
         if setting.theory != "bending":
-            start = min((c[0].place[0] for c in at_tip if c[0].place), default=1.0)
-            start = min(start, 1 - 10 * _PATCH)
-            sets.append([*rest, (Site("tail", face, (start, 1.0)), force / 2), (Site("corner", number, ()), force / 2)])
-    out = []
-    for contacts_ in sets:
-        sites = tuple(site for site, _ in contacts_)
-        load = [[force] + [0.0] * (site.multipliers - 1) for site, force in contacts_]
-        out.append((sites, np.array([value for values in load for value in values])))
-    return out
+            start = min([c[0].place[0] for c in at_tip if c[0].place] + [1 - 10 * _PATCH])
+            sets.append([*rest, (Site("tail", face, (start, 1.0)), force / 2), (corner, force / 2)])
+    return [_as_set(chosen) for chosen in sets]
+
+
+def _near_tip(site: Site, face: int) -> bool:
+    return site.kind == "tangent" and site.piece == face and site.place[0] > 1 - _TIP
+
+
+def _as_set(chosen: list[tuple[Site, float]]) -> tuple[tuple[Site, ...], Array]:
+    load = [[force] + [0.0] * (site.multipliers - 1) for site, force in chosen]
+    return tuple(site for site, _ in chosen), np.array([value for values in load for value in values])

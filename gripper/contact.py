@@ -93,6 +93,9 @@ class Linearisation:
     value_rates: Array  # dC/dq, (m,)
     residual_rates: Array  # dR/dq, (k,)
     load_rates: Array  # d(C_z^T lambda)/dq, (n,)
+    force_gradient: Complex  # d(total force on the finger)/dz, (n,)
+    force_multipliers: Complex  # the same by the multipliers, (m,)
+    force_places: Complex  # the same by the places, (k,)
     points: tuple[Complex, ...]  # per site, where it touches, (j,)
     forces: tuple[Complex, ...]  # per site, force on the finger at those points, (j,)
     stations: tuple[Array, ...]  # per site, the place u of those points, (j,)
@@ -138,10 +141,11 @@ def linearise(
 
 def _nothing(size: int) -> Linearisation:
     """The linearisation of a finger that touches nothing."""
-    none, wide = np.zeros(0), np.zeros((0, size))
-    square = np.zeros((0, 0))
+    none, wide, square = np.zeros(0), np.zeros((0, size)), np.zeros((0, 0))
+    forces = np.zeros(size) + 0j, none + 0j, none + 0j
+    whole = np.zeros((size, size))
     return Linearisation(
-        none, wide, square, none, wide, square, wide.T, np.zeros((size, size)), none, none, np.zeros(size), (), (), ()
+        none, wide, square, none, wide, square, wide.T, whole, none, none, np.zeros(size), *forces, (), (), ()
     )
 
 
@@ -194,7 +198,7 @@ class _System:
         self.slope = dot(self.normal, tangents)  # dg/du
         back = self.normal.conj()[:, None]
         self.pressing = (back * stations.gradients).real  # g_z, (q, n)
-        bent = self._curved(tangents)
+        self.bent = bent = self._curved(tangents)
         # d(dg/du)/dz, (q, n)
         self.sliding = (bent.conj()[:, None] * stations.gradients + back * stations.tangent_gradients).real
         self.bending = dot(bent, tangents) + dot(self.normal, stations.curvatures)
@@ -208,6 +212,8 @@ class _System:
         self.weights = np.zeros(q)  # force along grad g at each query
         self.pull = np.zeros(q, dtype=complex)
         self.extra = np.zeros((size, size))
+        self.force_gradient = np.zeros(size, dtype=complex)
+        self.force_multipliers, self.force_places = np.zeros(m, dtype=complex), np.zeros(k, dtype=complex)
 
     def _curved(self, vectors: Complex) -> Complex:
         """The object's Hessian times vectors."""
@@ -226,13 +232,16 @@ class _System:
         gradients, weights = self.stations.gradients[active], self.weights[active]
         a, b = (weights * self.a[active])[:, None], (weights * self.b[active])[:, None]
         curved = a * gradients + b * gradients.conj()
+        self.force_gradient += curved.sum(axis=0)
         return gradients.real.T @ curved.real + gradients.imag.T @ curved.imag
 
     def add_point(self, site: Site, i: int, row: int, column: int, force: float) -> None:
         """Tangent, or corner of the outline."""
         self.values[row], self.gradients[row], self.value_rates[row] = self.gap[i], self.pressing[i], self.gap_rate[i]
         self._load(slice(i, i + 1), force)
+        self.force_multipliers[row] = self.normal[i]
         if site.kind == "tangent":
+            self.force_places[column] = force * self.bent[i]
             self.value_slopes[row, column] = self.residuals[column] = self.slope[i]
             self.residual_gradients[column], self.residual_slopes[column, column] = self.sliding[i], self.bending[i]
             self.load_slopes[:, column] = force * self.sliding[i]
@@ -246,10 +255,12 @@ class _System:
         self.values[rows], self.gradients[rows] = _MEAN @ self.gap[gauss], _MEAN @ self.pressing[gauss]
         self.value_rates[rows] = _MEAN @ self.gap_rate[gauss]
         self._load(gauss, forces)
+        self.force_multipliers[rows] = _MEAN @ self.normal[gauss]
         for end, shift in zip(range(site.unknown_places), ((1 - _GAUSS_X) / 2, (1 + _GAUSS_X) / 2), strict=False):
             i, at = gauss.stop + end, column + end
             self.value_slopes[rows, at] = _MEAN @ (shift * self.slope[gauss])
             self.load_slopes[:, at] = (forces * shift) @ self.sliding[gauss]
+            self.force_places[at] = (forces * shift) @ self.bent[gauss]
             self.residuals[at], self.residual_gradients[at] = self.gap[i], self.pressing[i]
             self.residual_slopes[at, at], self.residual_rates[at] = self.slope[i], self.gap_rate[i]
 
@@ -279,6 +290,8 @@ class _System:
         self.load_slopes[:, column] = -force * side * turn_u * pass_by
         self.load_rates += force * side * slipping * turn_z
         self.pull[i] = force * n
+        self.force_multipliers[row], self.force_places[column] = n, -force * side * turn_u * t
+        self.force_gradient -= force * side * t * turn_z
         mixed = np.outer(pass_by, turn_z)
         self.extra -= force * side * (mixed + mixed.T)
 
@@ -299,6 +312,9 @@ class _System:
             self.value_rates,
             self.residual_rates,
             self.load_rates,
+            self.force_gradient,
+            self.force_multipliers,
+            self.force_places,
             tuple(self.stations.points[cut] for cut in cuts),
             tuple(self.pull[cut] for cut in cuts),
             tuple(q[: len(q) - e] for q, e in zip(queries, ends, strict=True)),

@@ -24,10 +24,11 @@ from gripper.sections import Sections
 
 Array = NDArray[np.float64]
 _ITERATIONS = 20
-_CONVERGED = 1e-8  # last step, relative: the next one, quadratic, would be round-off
+_CONVERGED = 1e-6  # last step, relative: the next one, of second order, would be round-off
 _NARROWEST = 1e-8  # of L: breaks nearer than this are one
+_FITTED = 1e-7  # of L, or of a patch: segments end at contacts to within this
 _NEAR = 0.1  # of L: breaks that move less are the same breaks
-_NO_STRAIN = 1e-300
+_NO_STRAIN = 1e-8  # |z| below which steps are judged by their own size: round-off of the gap moves z by 1e-16
 _WILD = 1e3  # |z|: a finger rolled up hundreds of times
 
 
@@ -98,6 +99,8 @@ class Equilibrium:
     obstacle: Obstacle
     linear: Linearisation
     iterations: int
+    correction: float = 0.0
+    """Length of Newton's way in z: how far the start was off."""
 
     def matrix(self) -> Array:
         """The KKT matrix in (z, lambda, u)."""
@@ -156,7 +159,7 @@ def _shortening(state: State, dplaces: Array) -> float:
     for site in state.sites:
         last = first + site.unknown_places
         bound = 0.5 * (site.place[1] - site.place[0]) if site.kind in ("patch", "tail") else 0.15
-        largest = np.max(np.abs(dplaces[first:last]), initial=0.0)
+        largest = max((abs(step) for step in dplaces[first:last].tolist()), default=0.0)
         factor, first = min(factor, bound / largest if largest > bound else 1.0), last
     return factor
 
@@ -169,17 +172,19 @@ def settle(setting: Setting, obstacle: Obstacle, state: State, order: int) -> Eq
     NoEquilibriumError
         Where it does not converge.
     """
-    last = np.inf
+    last, way = np.inf, 0.0
     for iteration in range(_ITERATIONS):
         if iteration == 0 or _stale(state):
             state = state.on(setting.beam(state.sites, order))
         lin = linearise(state.beam, state.z, setting.outline, obstacle, state.sites, state.multipliers)
         if last < _CONVERGED:
-            return Equilibrium(state, obstacle, lin, iteration)
+            return Equilibrium(state, obstacle, lin, iteration, way)
         dz, dmultipliers, dplaces = kkt_step(state, lin)
         factor = _shortening(state, dplaces)
         state = state.moved(factor * dz, factor * dmultipliers, factor * dplaces)
-        last = np.linalg.norm(dz) / max(float(np.linalg.norm(state.z)), _NO_STRAIN)
+        length = factor * float(np.linalg.norm(dz))
+        way += length
+        last = length / (float(np.linalg.norm(state.z)) + _NO_STRAIN)
         last = max(last, np.max(np.abs(dplaces), initial=0.0))
         if not np.isfinite(last) or np.linalg.norm(state.z) > _WILD:
             raise NoEquilibriumError("Newton's iteration diverged")
@@ -188,6 +193,9 @@ def settle(setting: Setting, obstacle: Obstacle, state: State, order: int) -> Eq
 
 def _stale(state: State) -> bool:
     """Whether the segments end elsewhere than the contacts are."""
-    breaks = np.array(state.beam.breaks)
-    marks = [mark for site in state.sites for mark in site.breaks()]
-    return any(np.min(np.abs(breaks - mark)) > _NARROWEST for mark in marks)
+    breaks = state.beam.breaks
+    for site in state.sites:
+        fine = _FITTED * (site.place[1] - site.place[0] if site.kind in ("patch", "tail") else 1.0)
+        if any(min(abs(b - mark) for b in breaks) > max(fine, _NARROWEST) for mark in site.breaks()):
+            return True
+    return False

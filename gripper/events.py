@@ -16,7 +16,9 @@ from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, State,
 from gripper.obstacle import Frame
 
 Feature = tuple[Literal["flank", "corner", "vertex"], int, int]
-_SHARP = 1e-13  # of the step: where an event is located to
+_SECANTS = 40
+_SHORT = 0.999  # of the way to a root that must not be passed
+_SHARP = 1e-10  # of the step: where an event is located to
 
 
 class Path(Protocol):
@@ -139,10 +141,9 @@ def _root(
             nearest.append(Along(parameter, found))
         return measure(setting, nearest[-1].equilibrium if change else start.equilibrium, i)
 
-    try:
-        return _bracketed(value, known.parameter, stop)
-    except (NoEquilibriumError, np.linalg.LinAlgError):
-        return _last_good(value, known.parameter, stop)
+    if measure is _from_end:
+        return _from_inside(value, known.parameter, stop)
+    return _bracketed(value, known.parameter, stop)
 
 
 def _pointed(setting: Setting, equilibrium: Equilibrium, i: int, measure: Measure, order: int) -> Equilibrium:
@@ -162,16 +163,25 @@ def _bracketed(value: Callable[[float], float], start: float, stop: float) -> fl
     first, last = value(start), value(stop)
     if first * last > 0:
         return stop if abs(last) < abs(first) else start
-    return float(brentq(value, start, stop, xtol=_SHARP * max(abs(start), abs(stop)), rtol=1e-14))
+    return float(brentq(value, start, stop, xtol=_SHARP * abs(stop - start), rtol=1e-14))
 
 
-def _last_good(value: Callable[[float], float], start: float, stop: float) -> float:
-    """The furthest parameter at which the branch exists and the measure is positive, by bisection."""
-    for _ in range(40):
-        middle = (start + stop) / 2
+def _from_inside(value: Callable[[float], float], start: float, stop: float) -> float:
+    """The root of a measure that exists only where it is positive: secants that stop a little short of it."""
+    a, fa = start, value(start)
+    following = a + (stop - a) / 2
+    b, fb = a, fa
+    for _ in range(_SECANTS):
         try:
-            good = value(middle) > 0
+            f = value(following)
         except (NoEquilibriumError, np.linalg.LinAlgError):
-            good = False
-        start, stop = (middle, stop) if good else (start, middle)
-    return start
+            f = -1.0
+        if f < 0:
+            following = (b + following) / 2
+            continue
+        a, fa, b, fb = b, fb, following, f
+        reach = (b - a) * fb / (fa - fb) if fa > fb else stop - b
+        following = b + min(reach * _SHORT, stop - b, key=abs)
+        if abs(following - b) <= _SHARP * abs(stop - start):
+            break
+    return b

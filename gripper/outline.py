@@ -9,6 +9,7 @@ complex numbers x + iy throughout the solver: a quarter turn is a factor i, a . 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,7 @@ from gripper.sections import Sections
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 Index = NDArray[np.intp]
+Part = Literal["lower", "upper", "tip", "jaw"]
 LOWER, UPPER = 0, 1
 _SAME = 1e-9
 
@@ -32,7 +34,7 @@ def dot(a: Complex, b: Complex) -> Array:
 class Piece:
     """A face, or a straight rigid piece of the outline in the end section's frame."""
 
-    on: str
+    on: Part
     length: float
     start: complex = 0j
     direction: complex = 0j
@@ -43,7 +45,7 @@ class Piece:
 class Corner:
     """A convex corner of the outline, fixed in the end section's frame."""
 
-    on: str
+    on: Part
     point: complex
     s: float  # what a report names as its place
 
@@ -131,7 +133,15 @@ class Outline:
         """The number that stands for a corner wherever a piece is asked for (a piece without length)."""
         return len(self.pieces) + corner
 
-    def place(self, piece: int, u: Array) -> tuple[str, Array]:
+    def tip_corner(self, face: int) -> int | None:
+        """The number of the tip's corner at the end of a face; None where the jaw hides it."""
+        side = -1 if face == LOWER else 1
+        for i, corner in enumerate(self.corners):
+            if corner.on == "tip" and corner.point.imag * side > 0:
+                return self.corner_piece(i)
+        return None
+
+    def place(self, piece: int, u: Array) -> tuple[Part, Array]:
         """What a report calls a place: the part of the finger, and s by L (on the jaw: along its polygon as given)."""
         if piece >= len(self.pieces):
             corner = self.corners[piece - len(self.pieces)]

@@ -72,7 +72,7 @@ def approach(fixed: Setting, final: Frame, direction: tuple[float, float], order
                 "give another direction in [approach], or a motion that starts from a free pose"
             )
         back += max(pace, -found.min_gap)
-    tracker = Tracker(fixed, path, -back, order)
+    tracker = Tracker(fixed, path, -back, order, events=False)
     answer = tracker.advance(0.0)
     return answer.verified, tracker.order
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from gripper.active import Verified, find, settle_contacts, verify
 from gripper.answer import Answer, discretisation_error
-from gripper.certificate import Survey, survey
+from gripper.certificate import survey
 from gripper.contact import Site
 from gripper.equilibrium import NoEquilibriumError, Setting, State, settle
 from gripper.events import Along, Change, Path, changes
@@ -38,6 +38,8 @@ class Tracker:
         Where it starts; the straight finger must be free there.
     order
         Order of the strain fields to start with.
+    events
+        Whether to locate what changes on the way.
 
     Raises
     ------
@@ -45,8 +47,8 @@ class Tracker:
         Where the straight finger is not free at the start.
     """
 
-    def __init__(self, setting: Setting, path: Path, parameter: float, order: int) -> None:
-        self.setting, self.path, self.parameter, self.order = setting, path, parameter, order
+    def __init__(self, setting: Setting, path: Path, parameter: float, order: int, *, events: bool = True) -> None:
+        self.setting, self.path, self.parameter, self.order, self.events = setting, path, parameter, order, events
         self.changes: list[Change] = []
         self.iterations = 0
         self.current = self._free(parameter)
@@ -58,7 +60,7 @@ class Tracker:
         """A tracker that goes on from an equilibrium reached along another path."""
         tracker = cls.__new__(cls)
         tracker.setting, tracker.path, tracker.parameter, tracker.order = setting, path, parameter, order
-        tracker.changes, tracker.iterations = [], 0
+        tracker.changes, tracker.iterations, tracker.events = [], 0, True
         state = current.equilibrium.state
         tracker.current = tracker._at(parameter, state) if state.sites else current
         return tracker
@@ -96,8 +98,10 @@ class Tracker:
 
     def _safe_travel(self) -> float:
         """How far (by L) the object may move relative to the clamp without passing through anything unseen."""
-        deep = min(0.5 * self.setting.body.inner_radius / self.setting.sections.length, _LONGEST)
-        return deep if self.sites else deep + max(self.current.survey.min_gap, 0.0)
+        deep = self.setting.body.inner_radius / self.setting.sections.length
+        if self.sites:
+            return min(deep, 2 * _LONGEST)
+        return min(deep / 2, _LONGEST) + max(self.current.survey.min_gap, 0.0)
 
     def _travel(self, start: float, stop: float) -> float:
         """Length of the object's relative path (by L), its turning included."""
@@ -115,13 +119,11 @@ class Tracker:
         return self.current.equilibrium.state.sites
 
     def _free(self, parameter: float) -> Verified:
+        """The straight finger and what the object leaves of it."""
         obstacle = self.setting.obstacle(self.path.frame(parameter))
         beam = self.setting.beam((), self.order)
-        return self._unloaded(State(beam, np.zeros(beam.size)), parameter, survey(self.setting, obstacle, State(beam, np.zeros(beam.size))))
-
-    def _unloaded(self, state: State, parameter: float, found: Survey) -> Verified:
-        obstacle = self.setting.obstacle(self.path.frame(parameter))
-        return Verified(settle(self.setting, obstacle, state, self.order), found)
+        straight = State(beam, np.zeros(beam.size))
+        return Verified(settle(self.setting, obstacle, straight, self.order), survey(self.setting, obstacle, straight))
 
     def _at(self, parameter: float, state: State) -> Verified:
         obstacle = self.setting.obstacle(self.path.frame(parameter))
@@ -151,11 +153,10 @@ class Tracker:
         start = self.current.equilibrium
         predicted = self._predicted(following - self.parameter)
         travel = self._travel(self.parameter, following)
-        expected = distance(predicted, start.state)
+        expected = float(np.linalg.norm(predicted.z - start.state.z))
         try:
             found = self._at(following, predicted)
-            off = distance(found.equilibrium.state, predicted)
-            if off > 0.5 * expected + 0.02 * travel:
+            if found.equilibrium.correction > 0.5 * expected + 0.05 * travel:
                 raise NoEquilibriumError("the step departs from its prediction")
         except NoEquilibriumError:
             if travel < 2 * _SHORTEST and not self._loosens(predicted):
@@ -196,6 +197,8 @@ class Tracker:
         old = self.current
         start = self.parameter
         self.parameter, self.current = following, found
+        if not self.events:
+            return
         before, after = Along(start, old.equilibrium), Along(following, found.equilibrium)
         self.changes += changes(self.setting, self.path, before, after, self.order)
 

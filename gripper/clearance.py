@@ -1,0 +1,67 @@
+"""The distance between finger and object: of a free finger the least way to the object, in contact 0 (or less)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gripper.active import Verified
+from gripper.equilibrium import Setting
+from gripper.obstacle import Obstacle
+from gripper.outline import Axis, dot
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+_FEET = 5
+_ZOOMS = 4
+_WIDER = 2.0  # g / |grad g| may be off a distance by this much: samples within it are looked at
+
+
+def clearance(setting: Setting, verified: Verified) -> float:
+    """Smallest distance of outline and object, by L; negative: depth."""
+    survey, lin = verified.survey, verified.equilibrium.linear
+    if lin.points:
+        touching = float(np.max(np.abs(lin.values), initial=0.0))
+        return min(survey.min_gap, touching)
+    if survey.min_gap < 0:
+        return survey.min_gap
+    return _distance(setting, verified)
+
+
+def distances(obstacle: Obstacle, points: Complex) -> Array:
+    """Distances of points outside to the object, by L: to the feet of the normals, found by Newton's method."""
+    g, normal = obstacle.slope(points)
+    estimate = g / np.maximum(np.abs(normal), 1e-12)
+    foot = points - estimate * normal / np.maximum(np.abs(normal), 1e-12)
+    for _ in range(_FEET):
+        g, normal, (a, b) = obstacle.curvature(foot)
+        size = np.maximum(np.abs(normal), 1e-12)
+        unit = normal / size
+        tangent, away = 1j * unit, points - foot
+        # on to g = 0 along the normal; along the tangent to the foot of the point on the circle of curvature
+        curvature = (a + (b * tangent.conj() ** 2).real) / size
+        widening = np.maximum(1 + curvature * dot(away, unit), 0.5)
+        foot = foot - g / size * unit + dot(away, tangent) / widening * tangent
+    return np.abs(points - foot)
+
+
+def _distance(setting: Setting, verified: Verified) -> float:
+    """The least distance over the sampled outline, zoomed in on where it is least."""
+    state, obstacle, survey = verified.equilibrium.state, verified.equilibrium.obstacle, verified.survey
+    axis, pieces = Axis.of(state.beam, state.z), survey.pieces
+    points, *_ = setting.outline.trace(axis, pieces.piece, pieces.u0, pieces.segment)
+    g, normal = obstacle.slope(points)
+    rough = g / np.maximum(np.abs(normal), 1e-12)
+    close = np.flatnonzero(rough <= _WIDER * rough.min() + 1e-9)
+    best = int(close[np.argmin(distances(obstacle, points[close]))])
+    step = float(pieces.u1[best] - pieces.u0[best])
+    u, piece = float(pieces.u0[best]), int(pieces.piece[best])
+    length = setting.outline.pieces[piece].length
+    least = np.inf
+    for _ in range(_ZOOMS):
+        marks = np.clip(np.linspace(u - step, u + step, 9), 0.0, length)
+        which = np.full(9, piece)
+        segment = state.beam.segment_of(marks) if piece <= 1 else np.full(9, state.beam.segments - 1)
+        found = distances(obstacle, setting.outline.trace(axis, which, marks, segment)[0])
+        u, least, step = float(marks[np.argmin(found)]), float(np.min(found)), step / 4
+    return least
