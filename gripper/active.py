@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import minimize
 
+from gripper.arrays import Array
 from gripper.assemble import Candidate, Problem, near
 from gripper.certificate import DEPTH, Survey, survey
 from gripper.contact import PRESSURES, Site
@@ -15,8 +15,8 @@ from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, State,
 from gripper.obstacle import Obstacle
 from gripper.outline import LOWER, UPPER
 
-Array = NDArray[np.float64]
 _ROUNDS = 6
+_COARSE = 1e-6  # SLSQP only has to tell who touches: Newton does the rest
 _ACTIVE = 1e-6  # of the largest multiplier
 _PATCH = 1e-4  # of L: narrower patches are points (the mean tangent's error falls with the square of the width)
 _WIDEST = 0.3  # of L: first guess of a patch
@@ -156,7 +156,7 @@ def find(setting: Setting, obstacle: Obstacle, start: State, order: int) -> Veri
     reason, iterations = "no candidate for a contact", 0
     for _ in range(_ROUNDS):
         problem = Problem(setting, obstacle, state, candidates)
-        answer = minimize(**problem.scipy(1e-9))
+        answer = minimize(**problem.scipy(_COARSE))
         iterations += int(answer.nit)
         relaxed = problem.state(answer.x)
         for sites, multipliers in _active_sets(setting, problem, answer.x, np.atleast_1d(answer.multipliers)):

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gripper.active import Verified
+from gripper.arrays import Array, Complex
 from gripper.beam import Beam
 from gripper.clearance import clearance
 from gripper.contact import Site, linearise
@@ -15,10 +17,7 @@ from gripper.equilibrium import Equilibrium, Setting, kkt_step
 from gripper.kinematics import Placement
 from gripper.outline import Axis, Part, dot
 from gripper.result import Checks, Contact, ErrorEstimate, PoseResult, Shape
-from gripper.active import Verified
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 NO_FORCE = 1e-9
 """Total contact force, over EI / L^2, below which a pose is free (grazing is free)."""
 STATIONARY = 1e-8
@@ -53,7 +52,7 @@ def check(setting: Setting, verified: Verified) -> Checks:
     equilibrium, survey = verified.equilibrium, verified.survey
     state, lin = equilibrium.state, equilibrium.linear
     bound = survey.penetration_bound * setting.sections.length
-    certificate = "proved" if survey.proved else "sampled"
+    certificate: Literal["proved", "sampled"] = "proved" if survey.proved else "sampled"
     if not state.sites:
         return Checks(
             stationarity=0.0,
@@ -64,10 +63,10 @@ def check(setting: Setting, verified: Verified) -> Checks:
             certificate=certificate,
         )
     load = lin.gradients.T @ state.multipliers
-    total = max(sum(float(np.sum(np.abs(f))) for f in lin.forces), NO_FORCE)
+    total = max(float(np.sum(np.abs(np.concatenate(lin.forces)))), NO_FORCE)
     force, moment = _imbalance(setting, equilibrium)
     return Checks(
-        stationarity=float(np.linalg.norm(state.z - load) / max(np.linalg.norm(load), NO_FORCE)),
+        stationarity=float(np.linalg.norm(state.z - load)) / max(float(np.linalg.norm(load)), NO_FORCE),
         force_balance=force / total,
         moment_balance=moment / total,
         stability=verified.stability,

@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gripper.arrays import Array, Index
 from gripper.certificate import Survey, survey
 from gripper.contact import Site, linearise
 from gripper.equilibrium import Setting, State
@@ -25,7 +25,6 @@ from gripper.result import LeftOut
 from gripper.scene import Scene
 from gripper.sections import sections
 
-Array = NDArray[np.float64]
 _SAMPLES = 9
 _REFINEMENTS = 3
 _GRAZING = 1e-9  # of L: the least deflection that unknowns are scaled to
@@ -35,7 +34,7 @@ _ORDERS = ((1e-2, 2), (1e-3, 3), (1e-4, 4), (1e-6, 5), (1e-8, 7), (0.0, 9))
 
 @dataclass(frozen=True)
 class Candidate:
-    """A place where finger and object may touch: a stretch of a piece, a corner of the outline, or one of the object's."""
+    """Where finger and object may touch: a stretch of a piece, a corner of the outline, or one of the object's."""
 
     kind: Literal["stretch", "corner", "vertex"]
     piece: int
@@ -157,7 +156,9 @@ class Problem:
         """
         sites = self.sites(x)
         load = np.asarray(multipliers) * self.scale**2 / self.gap_scale
-        lin = linearise(self.beam, np.asarray(x) * self.scale, self.setting.outline, self.obstacle, sites, load, kinks=False)
+        lin = linearise(
+            self.beam, np.asarray(x) * self.scale, self.setting.outline, self.obstacle, sites, load, kinks=False
+        )
         forces = -np.array([f.sum() for f in lin.forces]) * self.setting.sections.force_scale
         return np.column_stack([forces.real, forces.imag])
 
@@ -197,7 +198,7 @@ class Problem:
         self._segment = self._segments(self._piece, self._u)
         self._vertex = np.array([self.candidates[i].kind == "vertex" for i in owner], dtype=bool)
 
-    def _segments(self, piece: NDArray[np.intp], u: Array) -> NDArray[np.intp]:
+    def _segments(self, piece: Index, u: Array) -> Index:
         """The segment that each place lies in; the middle of its stretch decides at a break."""
         middle = (u[:, :1] + u[:, -1:]) / 2 if u.ndim == 2 else u
         inward = u + 1e-9 * np.sign(middle - u)
@@ -225,7 +226,7 @@ class Problem:
     def _inside(site: Site, candidate: Candidate) -> bool:
         return candidate.start < site.place[0] < candidate.stop
 
-    def _slope(self, axis: Axis, u: Array, piece: NDArray[np.intp], segment: NDArray[np.intp], row: Array) -> tuple[Array, Array]:
+    def _slope(self, axis: Axis, u: Array, piece: Index, segment: Index, row: Array) -> tuple[Array, Array]:
         """What is least at the place, and its slope along the piece: g, or the distance to the object's corner."""
         points, tangents, _ = self.setting.outline.trace(axis, piece, u, segment)
         g, normal = self.obstacle.slope(points)

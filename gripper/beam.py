@@ -17,14 +17,11 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import eval_legendre
 
+from gripper.arrays import Array, Complex, Index
 from gripper.sections import Sections
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
-Index = NDArray[np.intp]
 _CARRIED = 0.2  # of a segment's length: polynomials of moderate order continue this far without harm
 BeamTheory = Literal["bending", "shear"]
 

@@ -14,15 +14,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gripper.arrays import Array, Complex, Index
 from gripper.equilibrium import Setting, State
 from gripper.obstacle import Obstacle
 from gripper.outline import LOWER, UPPER, Axis, crossings, dot
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
-Index = NDArray[np.intp]
 DEPTH = 2e-7
 """Penetration that counts as none, by L."""
 _PER_SEGMENT = 8
@@ -152,7 +149,9 @@ def _whole(setting: Setting, state: State) -> Pieces:
     faces = faces.cut(_PER_SEGMENT)
     edges = range(UPPER + 1, len(setting.outline.pieces))
     lengths = np.array([setting.outline.pieces[i].length for i in edges])
-    rigid = Pieces(np.array(edges, dtype=np.intp), np.zeros(len(edges)), lengths, np.full(len(edges), n - 1)).cut(_PER_EDGE)
+    rigid = Pieces(np.array(edges, dtype=np.intp), np.zeros(len(edges)), lengths, np.full(len(edges), n - 1)).cut(
+        _PER_EDGE
+    )
     return Pieces(*(np.concatenate([getattr(faces, f), getattr(rigid, f)]) for f in ("piece", "u0", "u1", "segment")))
 
 

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gripper.active import Verified
+from gripper.arrays import Array, Complex
 from gripper.equilibrium import Setting
 from gripper.obstacle import Obstacle
 from gripper.outline import Axis, dot
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 _FEET = 5
 _ZOOMS = 4
 _WIDER = 2.0  # g / |grad g| may be off a distance by this much: samples within it are looked at

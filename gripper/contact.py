@@ -19,15 +19,12 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gripper.arrays import Array, Complex, Index
 from gripper.beam import Beam
 from gripper.obstacle import Obstacle
 from gripper.outline import UPPER, Axis, Outline, Stations, dot, second_derivative
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
-Index = NDArray[np.intp]
 Kind = Literal["tangent", "corner", "vertex", "patch", "tail"]
 PRESSURES = 2  # pressure modes of a patch: constant and linear
 _GAUSS_X, _GAUSS_W = np.polynomial.legendre.leggauss(6)
@@ -267,7 +264,9 @@ class _System:
     def add_vertex(self, site: Site, i: int, row: int, column: int, force: float) -> None:
         """Corner v of the object at the foot u of its normal: n . (c - v) = 0, (c - v) . t = 0."""
         stations, vertex = self.stations, self.obstacle.corners[site.vertex]
-        side = -1.0 if site.piece == UPPER else 1.0  # the finger's inside is left of the tangent, on the upper face right
+        side = (
+            -1.0 if site.piece == UPPER else 1.0
+        )  # the finger's inside is left of the tangent, on the upper face right
         stretch = float(abs(stations.tangents[i]))
         t = complex(stations.tangents[i]) / stretch
         across = 1j * t

@@ -13,8 +13,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gripper.arrays import Array
 from gripper.beam import Beam, BeamTheory
 from gripper.contact import Linearisation, Site, linearise
 from gripper.objects import Object
@@ -22,7 +22,6 @@ from gripper.obstacle import Frame, Obstacle
 from gripper.outline import Outline
 from gripper.sections import Sections
 
-Array = NDArray[np.float64]
 _ITERATIONS = 20
 _CONVERGED = 1e-6  # last step, relative: the next one, of second order, would be round-off
 _NARROWEST = 1e-8  # of L: breaks nearer than this are one

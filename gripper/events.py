@@ -18,6 +18,8 @@ from gripper.obstacle import Frame
 Feature = tuple[Literal["flank", "corner", "vertex"], int, int]
 _SECANTS = 40
 _SHORT = 0.999  # of the way to a root that must not be passed
+_STEPS = 30
+_SHORT = 0.999  # of the way to an end that must not be passed
 _SHARP = 1e-10  # of the step: where an event is located to
 
 
@@ -67,12 +69,12 @@ def changes(setting: Setting, path: Path, old: Along, new: Along, order: int) ->
     pairs = min(len(gone), len(come))
     for won in come[pairs:]:
         if before:
-            where = _root(setting, path, new, old.parameter, won, _pressing, order)
+            where = _released(setting, path, new, old.parameter, won, order)
         else:
             where = first_touch(setting, path, old, new)
         out.append(Change(where, "touch", _named(setting, won)))
     for lost in gone[pairs:]:
-        where = _root(setting, path, old, new.parameter, lost, _pressing, order)
+        where = _released(setting, path, old, new.parameter, lost, order)
         out.append(Change(where, "release", _named(setting, lost)))
     return sorted(out, key=lambda change: abs(change.parameter - old.parameter))
 
@@ -91,15 +93,13 @@ def first_touch(setting: Setting, path: Path, old: Along, new: Along) -> float:
     return _bracketed(least, old.parameter, new.parameter)
 
 
-def _changed(
-    setting: Setting, path: Path, old: Along, new: Along, lost: Feature, won: Feature, order: int
-) -> float:
+def _changed(setting: Setting, path: Path, old: Along, new: Along, lost: Feature, won: Feature, order: int) -> float:
     """A contact that has a place on its piece tells by its reaching the end; a corner by its multiplier."""
     if lost[0] != "corner":
-        return _root(setting, path, old, new.parameter, lost, _from_end, order)
+        return _departed(setting, path, old, new.parameter, lost, order)
     if won[0] != "corner" and not any(site.kind == "tail" for site in old.equilibrium.state.sites):
-        return _root(setting, path, new, old.parameter, won, _from_end, order)
-    return _root(setting, path, old, new.parameter, lost, _pressing, order)
+        return _departed(setting, path, new, old.parameter, won, order)
+    return _released(setting, path, old, new.parameter, lost, order)
 
 
 def _named(setting: Setting, feature: Feature) -> str:
@@ -116,40 +116,82 @@ def _pressing(setting: Setting, equilibrium: Equilibrium, i: int) -> float:
     return float(equilibrium.state.multipliers[sum(site.multipliers for site in sites[:i])])
 
 
-def _from_end(setting: Setting, equilibrium: Equilibrium, i: int) -> float:
-    """How far a contact is from the nearer end of its piece."""
-    site = equilibrium.state.sites[i]
-    return min(site.place[0], setting.outline.pieces[site.piece].length - site.place[-1])
+def _from_end(setting: Setting, equilibrium: Equilibrium, i: int) -> tuple[float, float]:
+    """How far a contact is from the nearer end of its piece, and the rate of that with the parameter."""
+    sites = equilibrium.state.sites
+    site, first = sites[i], sum(site.unknown_places for site in sites[:i])
+    rates = equilibrium.tangent()[2][first : first + site.unknown_places]
+    ahead = setting.outline.pieces[site.piece].length - site.place[-1]
+    return (site.place[0], float(rates[0])) if site.place[0] < ahead else (ahead, -float(rates[-1]))
 
 
-Measure = Callable[[Setting, Equilibrium, int], float]
+class _Branch:
+    """The equilibria of one set of contacts near a known one, each reached from the nearest that is known."""
 
+    def __init__(self, setting: Setting, path: Path, known: Along, order: int) -> None:
+        self.setting, self.path, self.order = setting, path, order
+        self.known = [known]
 
-def _root(
-    setting: Setting, path: Path, known: Along, stop: float, feature: Feature, measure: Measure, order: int
-) -> float:
-    """Where a measure vanishes on the branch of a known equilibrium, its contacts held beyond the event."""
-    i = features(known.equilibrium.state.sites)[feature]
-    nearest = [replace(known, equilibrium=_pointed(setting, known.equilibrium, i, measure, order))]
+    def at(self, parameter: float) -> Equilibrium:
+        """The equilibrium at a parameter.
 
-    def value(parameter: float) -> float:
-        start = min(nearest, key=lambda at: abs(at.parameter - parameter))
+        Raises
+        ------
+        NoEquilibriumError
+            Where Newton does not reach it.
+        """
+        start = min(self.known, key=lambda at: abs(at.parameter - parameter))
+        if start.parameter == parameter:
+            return start.equilibrium
         change = parameter - start.parameter
-        if change:
+        try:
             predicted = start.equilibrium.state.moved(*(change * rate for rate in start.equilibrium.tangent()))
-            found = settle(setting, setting.obstacle(path.frame(parameter)), predicted, order)
-            nearest.append(Along(parameter, found))
-        return measure(setting, nearest[-1].equilibrium if change else start.equilibrium, i)
-
-    if measure is _from_end:
-        return _from_inside(value, known.parameter, stop)
-    return _bracketed(value, known.parameter, stop)
+        except np.linalg.LinAlgError as error:
+            raise NoEquilibriumError("the tangent is vertical") from error
+        found = settle(self.setting, self.setting.obstacle(self.path.frame(parameter)), predicted, self.order)
+        self.known.append(Along(parameter, found))
+        return found
 
 
-def _pointed(setting: Setting, equilibrium: Equilibrium, i: int, measure: Measure, order: int) -> Equilibrium:
+def _released(setting: Setting, path: Path, known: Along, stop: float, feature: Feature, order: int) -> float:
+    """Where a contact's multiplier vanishes on the branch of a known equilibrium, the contact held beyond."""
+    i = features(known.equilibrium.state.sites)[feature]
+    branch = _Branch(setting, path, replace(known, equilibrium=_pointed(setting, known.equilibrium, i, order)), order)
+    try:
+        return _bracketed(lambda parameter: _pressing(setting, branch.at(parameter), i), known.parameter, stop)
+    except NoEquilibriumError:
+        return _between(known.parameter, stop)
+
+
+def _departed(setting: Setting, path: Path, known: Along, stop: float, feature: Feature, order: int) -> float:
+    """Where a contact's place reaches the end of its piece: Newton steps that stop a little short of it."""
+    i = features(known.equilibrium.state.sites)[feature]
+    branch, at, short = _Branch(setting, path, known, order), known.parameter, _SHORT
+    way = stop - known.parameter
+    for _ in range(_STEPS):
+        ahead, rate = _from_end(setting, branch.at(at), i)
+        step = -ahead / rate * short if rate else way
+        if not 0 <= (at + step - known.parameter) / way <= 1:
+            step = stop - at if step * way > 0 else known.parameter - at
+        if abs(step) <= _SHARP * abs(way):
+            return at
+        try:
+            branch.at(at + step)
+            at, short = at + step, _SHORT
+        except NoEquilibriumError:
+            short /= 2
+    return at
+
+
+def _between(start: float, stop: float) -> float:
+    """Where no branch can be followed to an event, the middle of the step that holds it."""
+    return (start + stop) / 2
+
+
+def _pointed(setting: Setting, equilibrium: Equilibrium, i: int, order: int) -> Equilibrium:
     """A patch shrinks to a point before it lets go: followed as a point, which may pull beyond the event."""
     site = equilibrium.state.sites[i]
-    if site.kind != "patch" or measure is not _pressing:
+    if site.kind != "patch":
         return equilibrium
     state = equilibrium.state
     first = sum(s.multipliers for s in state.sites[:i])
@@ -164,24 +206,3 @@ def _bracketed(value: Callable[[float], float], start: float, stop: float) -> fl
     if first * last > 0:
         return stop if abs(last) < abs(first) else start
     return float(brentq(value, start, stop, xtol=_SHARP * abs(stop - start), rtol=1e-14))
-
-
-def _from_inside(value: Callable[[float], float], start: float, stop: float) -> float:
-    """The root of a measure that exists only where it is positive: secants that stop a little short of it."""
-    a, fa = start, value(start)
-    following = a + (stop - a) / 2
-    b, fb = a, fa
-    for _ in range(_SECANTS):
-        try:
-            f = value(following)
-        except (NoEquilibriumError, np.linalg.LinAlgError):
-            f = -1.0
-        if f < 0:
-            following = (b + following) / 2
-            continue
-        a, fa, b, fb = b, fb, following, f
-        reach = (b - a) * fb / (fa - fb) if fa > fb else stop - b
-        following = b + min(reach * _SHORT, stop - b, key=abs)
-        if abs(following - b) <= _SHARP * abs(stop - start):
-            break
-    return b

@@ -57,7 +57,7 @@ Point = tuple[Finite, Finite]
 
 
 @functools.cache
-def _annotations(cls: type) -> dict[str, Any]:
+def _annotations(cls: Any) -> dict[str, Any]:
     return get_type_hints(cls, include_extras=True)
 
 

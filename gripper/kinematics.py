@@ -42,7 +42,7 @@ def _compiled(clamp: Pose, body: Pose, parameter: str | None) -> Callable[[float
         sympy.sympify(e).subs({s: q for s in symbols})
         for e in (clamp.x, clamp.y, clamp.angle, body.x, body.y, body.angle)
     ]
-    return sympy.lambdify([q], coordinates + [sympy.diff(e, q) for e in coordinates], "math", cse=True)  # type: ignore[no-any-return]
+    return sympy.lambdify([q], coordinates + [sympy.diff(e, q) for e in coordinates], "math", cse=True)
 
 
 class Kinematics:

@@ -12,14 +12,11 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gripper.arrays import Array, Complex, Index, Mask
 from gripper.beam import Beam
 from gripper.sections import Sections
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
-Index = NDArray[np.intp]
 Part = Literal["lower", "upper", "tip", "jaw"]
 LOWER, UPPER = 0, 1
 _SAME = 1e-9
@@ -228,10 +225,10 @@ def _inside(point: complex, polygon: Complex) -> bool:
     return bool(np.sum(crossings(point, polygon)) % 2)
 
 
-def crossings(point: complex, polygon: Complex) -> NDArray[np.bool_]:
+def crossings(point: complex, polygon: Complex) -> Mask:
     """Which edges of a polygon a ray from a point towards +x crosses: an odd number from inside."""
     a, b = polygon, np.roll(polygon, -1)
     across = (a.imag > point.imag) != (b.imag > point.imag)
     rise = np.where(across, b.imag - a.imag, 1.0)
-    crossing: NDArray[np.bool_] = across & (a.real + (point.imag - a.imag) * (b.real - a.real) / rise > point.real)
+    crossing: Mask = across & (a.real + (point.imag - a.imag) * (b.real - a.real) / rise > point.real)
     return crossing

@@ -133,7 +133,7 @@ def _loaded(found: list[Record]) -> type[Any]:
     reason = _unfit(cls, _KINDS[found[0].group])
     if reason:
         raise PluginError(str(found[0]), reason)
-    return cls  # type: ignore[no-any-return]  # _unfit has checked that it is a class
+    return cls  # _unfit has checked that it is a class
 
 
 def _imported(record: Record) -> Any:

@@ -9,12 +9,11 @@ from typing import Any
 
 import numpy as np
 import sympy
-from numpy.typing import NDArray
 
+from gripper.arrays import Array
 from gripper.fingers import Finger, S
 from gripper.interval import NoEnclosureError, enclose_all
 
-Array = NDArray[np.float64]
 _PARTS = 16
 _CHECKED = np.linspace(0.0, 1.0, 129)
 

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from gripper.active import Verified, find
+from gripper.arrays import Array, Complex
 from gripper.assemble import Problem, near
 from gripper.certificate import survey
 from gripper.equilibrium import NoEquilibriumError, Setting, State
 from gripper.obstacle import Obstacle
 from gripper.outline import Axis
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 _STEPS = 400
 _LONGEST = 0.02  # of L: no point of the axis moves further in a step, so that nothing is passed through
 _REST = 1e-6  # of L: the finger has come to rest

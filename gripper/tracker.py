@@ -8,7 +8,6 @@ does not help, the equilibrium has ended: the finger snaps.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gripper.active import Verified, find, settle_contacts, verify
 from gripper.answer import Answer, discretisation_error
@@ -18,7 +17,6 @@ from gripper.equilibrium import NoEquilibriumError, Setting, State, settle
 from gripper.events import Along, Change, Path, changes
 from gripper.snap import descend, distance
 
-Array = NDArray[np.float64]
 _LONGEST = 0.1  # of L
 _SHORTEST = 1e-7  # of L: where steps this short do not succeed, there is no equilibrium to follow
 _HIGHEST_ORDER = 14

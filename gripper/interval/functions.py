@@ -40,6 +40,7 @@ def _products(a: Ends, b: Ends) -> Ends:
 
 
 def multiplied(a: Interval, b: Interval) -> Interval:
+    """Give the range of the product."""
     products = [_products(p, q) for p in a for q in b]
     exact_zero = [(p == 0) | (q == 0) for p in a for q in b]
     low = [np.where(zero, 0.0, np.nextafter(p, -math.inf)) for zero, p in zip(exact_zero, products, strict=True)]
@@ -52,6 +53,7 @@ def _multiply(*factors: Interval) -> Interval:
 
 
 def integer_power(a: Interval, n: int) -> Interval:
+    """Give the range of a^n, n > 0."""
     if n == 1:
         return a
     ends = a[0] ** n, a[1] ** n
@@ -63,6 +65,7 @@ def integer_power(a: Interval, n: int) -> Interval:
 
 
 def reciprocal(a: Interval) -> Interval:
+    """Give the range of 1/a; everything where a holds zero inside."""
     low, high = a
     # a range that only touches zero has a reciprocal on one side
     lower = np.where(high == 0, -math.inf, 1 / high)
@@ -73,6 +76,7 @@ def reciprocal(a: Interval) -> Interval:
 
 
 def positive_power(a: Interval, exponent: Any) -> Interval:
+    """Give the range of a to a positive exponent that is no integer, a >= 0."""
     if exponent == sympy.Rational(1, 2):
         low, high = outward(np.sqrt(a[0]), np.sqrt(a[1]))
     else:
@@ -85,11 +89,13 @@ def positive_power(a: Interval, exponent: Any) -> Interval:
 
 
 def exp(a: Interval) -> Interval:
+    """Give the range of the exponential."""
     low, high = outward(np.exp(a[0]), np.exp(a[1]), ULPS)
     return np.maximum(low, 0.0), high
 
 
 def log(a: Interval) -> Interval:
+    """Give the range of the logarithm, a >= 0."""
     return outward(np.log(a[0]), np.log(a[1]), ULPS)
 
 

@@ -13,7 +13,7 @@ FLAT = 1e-12  # of the square of its size: less than that is no area
 
 
 def closed_points(name: str, points: tuple[tuple[float, float], ...]) -> Array:
-    """Return the points (m, 2) of a closed outline, in m: at least three, each different from the next.
+    """Return the points (m, 2) of a closed outline, in m: at least three, not on one line, each different from the next.
 
     Raises
     ------
@@ -27,6 +27,9 @@ def closed_points(name: str, points: tuple[tuple[float, float], ...]) -> Array:
     if gaps.min() <= NEAR * np.ptp(array, axis=0).max():
         twice = tuple(array[gaps.argmin()].tolist())
         raise ValueError(f"{name} must not repeat a point (the outline closes by itself), in m; got {twice} twice")
+    spread = np.linalg.svd(array - array.mean(axis=0), compute_uv=False)
+    if spread[1] <= NEAR * spread[0]:
+        raise ValueError(f"{name} must enclose an area, in m^2; got points on one line")
     return array
 
 
@@ -43,6 +46,9 @@ def check_pieces(name: str, coefficients: Array) -> None:
     if not np.isfinite(coefficients).all():
         raise ValueError(f"{name} must make finite pieces, in m; got {coefficients.tolist()}")
     starts = np.roll(coefficients[:, 0], -1, axis=0)
+    slowest = np.linalg.norm([coefficients[:, 1], np.arange(coefficients.shape[1]) @ coefficients], axis=2).min()
+    if slowest <= NEAR * np.ptp(starts, axis=0).max():
+        raise ValueError(f"{name} must make pieces with a tangent at both ends, in m; got |q'| = {slowest}")
     off = np.abs(coefficients.sum(axis=1) - starts).max()
     if off > NEAR * np.ptp(starts, axis=0).max():
         raise ValueError(f"{name} must make pieces that each end where the next begins, in m; got {off} between them")

@@ -51,7 +51,7 @@ def second_derivatives(gradient: tuple[sympy.Expr, sympy.Expr]) -> tuple[sympy.E
 @functools.lru_cache(maxsize=1024)
 def compiled(arguments: tuple[sympy.Symbol, ...], expressions: tuple[sympy.Expr, ...]) -> Callable[..., Any]:
     """Compile all expressions into one numpy function, common subexpressions shared."""
-    return sympy.lambdify(arguments, expressions, modules="numpy", cse=True, printer=_Printer)  # type: ignore[no-any-return]
+    return sympy.lambdify(arguments, expressions, modules="numpy", cse=True, printer=_Printer)
 
 
 class _Printer(NumPyPrinter):  # type: ignore[misc]

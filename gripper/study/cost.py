@@ -1,0 +1,83 @@
+"""Measuring what a call costs, and making the single pose of a motion that is measured."""
+
+from __future__ import annotations
+
+import statistics
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Generic, TypeVar
+
+from gripper.kinematics import Kinematics
+from gripper.pose import Pose, placed
+from gripper.scene import Scene
+
+Answer = TypeVar("Answer")
+
+
+@dataclass(frozen=True)
+class Repeated(Generic[Answer]):
+    """A call that was repeated.
+
+    Parameters
+    ----------
+    seconds
+        CPU time of each repeat, all threads of the process together.
+    answers
+        What each returned.
+    """
+
+    seconds: tuple[float, ...]
+    answers: tuple[Answer, ...]
+
+    @property
+    def median(self) -> float:
+        """Median CPU time, in s."""
+        return statistics.median(self.seconds)
+
+    @property
+    def least(self) -> float:
+        """Least CPU time, in s."""
+        return min(self.seconds)
+
+
+def repeated(call: Callable[[], Answer], repeats: int = 7) -> Repeated[Answer]:
+    """Measure a call after one warm-up, which compiles what is compiled once.
+
+    Set the BLAS library to one thread before numpy is imported: its waiting threads burn CPU time too.
+
+    Raises
+    ------
+    ValueError
+        Fewer than one repeat.
+    """
+    if repeats < 1:
+        raise ValueError(f"repeats must be at least 1; got {repeats!r}")
+    call()
+    seconds, answers = [], []
+    for _ in range(repeats):
+        began = time.process_time()
+        answers.append(call())
+        seconds.append(time.process_time() - began)
+    return Repeated(tuple(seconds), tuple(answers))
+
+
+def single_pose(scene: Scene, parameter: float) -> Scene:
+    """Make the scene of one pose of a motion: numbers for poses, no motion.
+
+    Parameters
+    ----------
+    scene
+        With a motion.
+    parameter
+        Value of its parameter.
+
+    Raises
+    ------
+    ValueError
+        A pose that is not finite there.
+    """
+    finger, body = placed(scene.finger), placed(scene.object)
+    places = Kinematics(scene, finger.body.length).placement(parameter)
+    clamp, other = (Pose(x=x, y=y, angle=angle) for x, y, angle in (places.clamp, places.object))
+    return replace(scene, finger=replace(finger, pose=clamp), object=replace(body, pose=other), motion=None)
