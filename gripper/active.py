@@ -8,14 +8,16 @@ import numpy as np
 from scipy.optimize import minimize
 
 from gripper.arrays import Array
-from gripper.assemble import Candidate, Problem, near
+from gripper.assemble import Candidate, Problem, near, vertex_heights
 from gripper.certificate import DEPTH, Survey, survey
 from gripper.contact import PRESSURES, Site
 from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, settle
 from gripper.obstacle import Obstacle
-from gripper.outline import LOWER, UPPER
+from gripper.outline import LOWER, UPPER, Axis
 
-_ROUNDS = 6
+_ROUNDS = 12
+_STRETCH = 0.05  # of L: half of a stretch about a penetration
+_PATIENCE = 40  # SLSQP takes 8 to 15 iterations where it gets somewhere
 _COARSE = 1e-6  # SLSQP only has to tell who touches: Newton does the rest
 _ACTIVE = 1e-6  # of the largest multiplier
 _PATCH = 1e-4  # of L: narrower patches are points (the mean tangent's error falls with the square of the width)
@@ -156,7 +158,7 @@ def find(setting: Setting, obstacle: Obstacle, start: State, order: int) -> Veri
     reason, iterations = "no candidate for a contact", 0
     for _ in range(_ROUNDS):
         problem = Problem(setting, obstacle, state, candidates)
-        answer = minimize(**problem.scipy(_COARSE))
+        answer = minimize(**problem.scipy(_COARSE, _PATIENCE))
         iterations += int(answer.nit)
         relaxed = problem.state(answer.x)
         for sites, multipliers in _active_sets(setting, problem, answer.x, np.atleast_1d(answer.multipliers)):
@@ -168,23 +170,46 @@ def find(setting: Setting, obstacle: Obstacle, start: State, order: int) -> Veri
                 continue
             total = replace(verified.equilibrium, iterations=iterations + settled.iterations)
             return replace(verified, equilibrium=total)
-        more = _violated(setting, survey(setting, obstacle, relaxed), candidates)
+        more = _violated(setting, obstacle, relaxed, candidates)
         if not more:
             raise NoEquilibriumError(reason)
         candidates += more
     raise NoEquilibriumError(reason)
 
 
-def _violated(setting: Setting, found: Survey, known: tuple[Candidate, ...]) -> tuple[Candidate, ...]:
-    """Short stretches about the deepest penetrations, where no such stretch is known yet."""
+def _violated(
+    setting: Setting, obstacle: Obstacle, state: State, known: tuple[Candidate, ...]
+) -> tuple[Candidate, ...]:
+    """Candidates for the deepest penetrations: the object's corner that has sunk deepest there, or a short stretch."""
+    found = survey(setting, obstacle, state)
+    corners = _sunken(setting, obstacle, state, found, known)
     out: list[Candidate] = []
     for piece, u in found.deepest:
+        if piece in corners:
+            out.append(corners.pop(piece))
+            continue
         length = setting.outline.pieces[piece].length
-        start, stop = max(u - 0.05, 0.0), min(u + 0.05, length)
+        start, stop = max(u - _STRETCH, 0.0), min(u + _STRETCH, length)
         mine = [c for c in (*known, *out) if c.kind == "stretch" and c.piece == piece]
-        if not any(c.start <= u <= c.stop and c.stop - c.start < 0.11 for c in mine):
+        if not any(c.start <= u <= c.stop and c.stop - c.start < 2.5 * _STRETCH for c in mine):
             out.append(Candidate("stretch", piece, start, stop))
     return tuple(out)
+
+
+def _sunken(
+    setting: Setting, obstacle: Obstacle, state: State, found: Survey, known: tuple[Candidate, ...]
+) -> dict[int, Candidate]:
+    """For each piece the object's corner that has sunk deepest through it and is no candidate yet."""
+    if not len(obstacle.corners) or not found.deepest:
+        return {}
+    out = {}
+    for piece, heights in vertex_heights(setting, obstacle, Axis.of(state.beam, state.z), found).items():
+        for number in [c.vertex for c in known if c.kind == "vertex" and c.piece == piece]:
+            heights[number] = np.inf
+        number = int(np.argmin(heights))
+        if heights[number] < -DEPTH / 2:
+            out[piece] = Candidate("vertex", piece, 0.0, setting.outline.pieces[piece].length, number)
+    return out
 
 
 def _active_sets(

@@ -162,13 +162,15 @@ class Problem:
         forces = -np.array([f.sum() for f in lin.forces]) * self.setting.sections.force_scale
         return np.column_stack([forces.real, forces.imag])
 
-    def scipy(self, tolerance: float = 1e-10) -> dict[str, Any]:
+    def scipy(self, tolerance: float = 1e-10, iterations: int = 200) -> dict[str, Any]:
         """Arguments for ``scipy.optimize.minimize``: SLSQP on the scaled problem.
 
         Parameters
         ----------
         tolerance
             SLSQP's ``ftol``; absolute, which is sound because the energy is scaled.
+        iterations
+            Its ``maxiter``.
         """
         constraint = {
             "type": "ineq",
@@ -181,7 +183,7 @@ class Problem:
             "jac": True,
             "method": "SLSQP",
             "constraints": [constraint] if self.candidates else [],
-            "options": {"ftol": tolerance, "maxiter": 200},
+            "options": {"ftol": tolerance, "maxiter": iterations},
         }
 
     def _grid(self) -> None:
@@ -300,30 +302,43 @@ def _stretches(setting: Setting, state: State, found: Survey, reach: float) -> l
     return list(out.values())
 
 
-def _vertices(setting: Setting, obstacle: Obstacle, axis: Axis, found: Survey, reach: float) -> tuple[Candidate, ...]:
-    """The object's corners, each against the piece whose outside it is nearest to."""
-    pieces = found.pieces
-    points, tangents, _ = setting.outline.trace(axis, pieces.piece, pieces.u0, pieces.segment)
-    inward = 1j * tangents * np.where(pieces.piece == UPPER, -1.0, 1.0)
+def _vertices(
+    setting: Setting, obstacle: Obstacle, axis: Axis, found: Survey, reach: float
+) -> tuple[Candidate, ...]:
+    """The object's corners that come nearest to a piece: lower than both their neighbours on the object."""
     out: list[Candidate] = []
-    for number, vertex in enumerate(obstacle.corners):
-        away = points - vertex
-        distance = np.abs(away)
-        for piece in np.unique(pieces.piece[distance < reach]):
-            mine = np.flatnonzero(pieces.piece == piece)
-            nearest = mine[np.argmin(distance[mine])]
-            inside = -float(dot(away[nearest], inward[nearest]))
-            if inside < _half_thickness(setting, int(piece), float(pieces.u0[nearest])):
-                length = setting.outline.pieces[int(piece)].length
-                out.append(Candidate("vertex", int(piece), 0.0, length, number))
+    for piece, heights in vertex_heights(setting, obstacle, axis, found).items():
+        lowest = (heights <= np.roll(heights, 1)) & (heights <= np.roll(heights, -1)) & (heights < reach)
+        length = setting.outline.pieces[piece].length
+        out += [Candidate("vertex", piece, 0.0, length, int(number)) for number in np.flatnonzero(lowest)]
     return tuple(out)
 
 
-def _half_thickness(setting: Setting, piece: int, u: float) -> float:
+def vertex_heights(setting: Setting, obstacle: Obstacle, axis: Axis, found: Survey) -> dict[int, Array]:
+    """Distance of each of the object's corners outside each piece, by L: negative where it has sunk through it.
+
+    Infinite for a corner that has sunk so deep that it belongs to another piece.
+    """
+    pieces = found.pieces
+    points, tangents, _ = setting.outline.trace(axis, pieces.piece, pieces.u0, pieces.segment)
+    inward = 1j * tangents * np.where(pieces.piece == UPPER, -1.0, 1.0)
+    out = {}
+    for piece in np.unique(pieces.piece).tolist():
+        mine = np.flatnonzero(pieces.piece == piece)
+        away = points[mine][None, :] - obstacle.corners[:, None]
+        nearest = np.argmin(np.abs(away), axis=1)
+        each = np.arange(len(away))
+        sunk = -dot(away[each, nearest], inward[mine][nearest])
+        deepest = _half_thickness(setting, piece, pieces.u0[mine][nearest])
+        out[piece] = np.where(sunk < deepest, np.where(sunk > 0, -sunk, np.abs(away[each, nearest])), np.inf)
+    return out
+
+
+def _half_thickness(setting: Setting, piece: int, u: Array) -> Array:
     """How deep a corner may have sunk through a piece and still belong to it."""
     if piece in (LOWER, UPPER):
-        return float(setting.sections.thickness(np.array([u]))[0]) / 2
-    return setting.outline.pieces[piece].length / 2
+        return setting.sections.thickness(u) / 2
+    return np.full(u.shape, setting.outline.pieces[piece].length / 2)
 
 
 def assemble(scene: Scene, parameter: float | None = None) -> Problem:

@@ -97,7 +97,8 @@ def check_fields(instance: Any) -> None:
     ValueError
         The first field that breaks its rule, with the rule and the value got.
     """
-    annotations = _annotations(type(instance))
+    cls: Any = type(instance)
+    annotations = _annotations(cls)
     for field in dataclasses.fields(instance):
         value = _frozen(getattr(instance, field.name))
         object.__setattr__(instance, field.name, value)

@@ -18,6 +18,7 @@ from gripper.events import Along, Change, Path, changes
 from gripper.snap import descend, distance
 
 _LONGEST = 0.1  # of L
+_SHALLOW = 0.02  # of L: how deep a sharp corner may sink before the first contact is looked for
 _SHORTEST = 1e-7  # of L: where steps this short do not succeed, there is no equilibrium to follow
 _HIGHEST_ORDER = 14
 _TURNS = 8  # parts in which a step's path is measured
@@ -99,7 +100,8 @@ class Tracker:
         deep = self.setting.body.inner_radius / self.setting.sections.length
         if self.sites:
             return min(deep, 2 * _LONGEST)
-        return min(deep / 2, _LONGEST) + max(self.current.survey.min_gap, 0.0)
+        sink = _SHALLOW if len(self.setting.body.corners) else _LONGEST
+        return min(deep / 2, sink) + max(self.current.survey.min_gap, 0.0)
 
     def _travel(self, start: float, stop: float) -> float:
         """Length of the object's relative path (by L), its turning included."""

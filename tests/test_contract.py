@@ -98,7 +98,7 @@ def made(kind):
     return [pytest.param(case.values[0](**case.values[1]), id=case.id) for case in parameters((f"gripper.{kind}",))]
 
 
-every_plugin = pytest.mark.parametrize(("plugin", "arguments"), parameters())
+every_plugin = pytest.mark.parametrize(("plugin", "arguments"), list(parameters()))
 every_object = pytest.mark.parametrize("surface", made("objects"))
 every_finger = pytest.mark.parametrize("finger", made("fingers"))
 every_jaw = pytest.mark.parametrize("jaw", made("jaws"))
@@ -115,7 +115,21 @@ def around(surface, count=200, margin=0.5):
     return np.random.default_rng(0).uniform(low - margin * (high - low), high + margin * (high - low), (count, 2))
 
 
+def largest(values):
+    """The largest modulus among each point's values."""
+    return np.abs(values).reshape(len(values), -1).max(axis=1)
+
+
+def in_discs(centers, radius, seed, count=12):
+    """Points (n, count, 2) in the discs about centers (n, 2)."""
+    rng = np.random.default_rng(seed)
+    angle = rng.uniform(0, 2 * np.pi, (len(centers), count))
+    reach = radius * np.sqrt(rng.uniform(0, 1, (len(centers), count)))
+    return centers[:, None] + np.stack([reach * np.cos(angle), reach * np.sin(angle)], axis=-1)
+
+
 def drawn(surface):
+    """Its outline, within the window."""
     return surface.outline(box=tuple(window(surface)))
 
 
@@ -162,19 +176,21 @@ def test_a_bad_value_is_an_error_that_names_the_argument(entry, arguments, name,
 
 @every_object
 def test_g_and_its_derivatives_are_finite_everywhere_also_inside_at_corners_and_far_away(surface):
-    special = [
-        surface.inner_point[None],
-        surface.corners,
-        np.zeros((1, 2)),
-        np.full((1, 2), 10.0),
-        np.vstack(drawn(surface)),
-    ]
-    for points in (around(surface), *special):
+    special = [surface.inner_point[None], surface.corners, np.zeros((1, 2)), np.full((1, 2), 10.0)]
+    for points in (around(surface), np.vstack(drawn(surface)), *special):
         for order in range(3):
             values = surface.evaluate(points, order)
             shapes = [(len(points),), (len(points), 2), (len(points), 2, 2)]
             assert [value.shape for value in values] == shapes[: order + 1]
             assert all(np.isfinite(value).all() for value in values)
+
+
+@every_object
+def test_no_points_give_no_values(surface):
+    none = np.empty((0, 2))
+    assert [len(value) for value in surface.evaluate(none)] == [0, 0, 0]
+    assert [len(bound) for bound in surface.bounds(none, np.empty(0))] == [0, 0]
+    assert len(surface.at_corner(none)) == 0
 
 
 @every_object
@@ -207,27 +223,18 @@ def test_g_is_negative_inside_and_positive_outside_its_outline(surface):
 @pytest.mark.parametrize("order", [1, 2])
 def test_each_derivative_is_the_central_difference_of_the_one_below(surface, order):
     """Away from where the nearest feature changes: there the derivative itself jumps."""
-    points = around(surface)
-    step = 1e-7
+    points, step = around(surface), 1e-7
     value = surface.evaluate(points, order)[order]
-    slack = (
-        1e-5 * (1 + np.abs(value).max())
-        if order == 1
-        else 1e-4 * (1 + np.abs(value).reshape(len(points), -1).max(axis=1))
-    )
+    size = 1 + largest(value)
     smooth = np.ones(len(points), dtype=bool)
     differences = np.empty_like(value)
     for axis in (0, 1):
         shift = step * np.eye(2)[axis]
-        (*_, after_below, after), (*_, before_below, before) = (
-            surface.evaluate(points + d, order) for d in (shift, -shift)
-        )
-        differences[..., axis] = (after_below - before_below) / (2 * step)
-        change = np.abs(after - before).reshape(len(points), -1).max(axis=1)
-        smooth &= change < 1e-3 * (1 + np.abs(value).reshape(len(points), -1).max(axis=1))
+        after, before = surface.evaluate(points + shift, order), surface.evaluate(points - shift, order)
+        differences[..., axis] = (after[order - 1] - before[order - 1]) / (2 * step)
+        smooth &= largest(after[order] - before[order]) < 1e-3 * size
     assert smooth.mean() > 0.9
-    error = np.abs(differences - value).reshape(len(points), -1).max(axis=1)
-    assert (error < slack)[smooth].all()
+    assert (largest(differences - value) < 1e-5 * size)[smooth].all()
 
 
 @every_object
@@ -247,19 +254,8 @@ def test_bounds_hold_all_over_their_discs(surface, radius):
         return
     steepest, least = bounds
     assert steepest.shape == least.shape == (len(centers),)
-    rng = np.random.default_rng(1)
-    angle, along = rng.uniform(0, 2 * np.pi, (2, len(centers), 12)), np.sqrt(rng.uniform(0, 1, (2, len(centers), 12)))
-    p, q = (
-        (centers[:, None] + radius * (along * (np.cos(angle), np.sin(angle))).reshape(2, -1, 12).swapaxes(0, 1)[None])[
-            0
-        ]
-        if 0
-        else [
-            centers[:, None] + radius * along[k][..., None] * np.stack([np.cos(angle[k]), np.sin(angle[k])], axis=-1)
-            for k in (0, 1)
-        ]
-    )
-    g, gradient = (value.reshape(len(centers), 12, *value.shape[1:]) for value in surface.evaluate(p.reshape(-1, 2), 1))
+    p, q = in_discs(centers, radius, 1), in_discs(centers, radius, 2)
+    g, gradient = (value.reshape(p.shape[:2] + value.shape[1:]) for value in surface.evaluate(p.reshape(-1, 2), 1))
     assert (np.linalg.norm(gradient, axis=2) <= steepest[:, None] * (1 + 1e-9)).all()
     d = q - p
     above = surface.gap(q.reshape(-1, 2)).reshape(g.shape) - g - (gradient * d).sum(axis=2)
@@ -276,7 +272,7 @@ def test_bounds_of_small_discs_on_a_smooth_outline_are_of_use(surface):
     assert bounds is not None
     slopes = np.linalg.norm(surface.gradient(outline), axis=1)
     assert np.median(bounds[0] / slopes) < 1.01
-    assert np.isfinite(bounds[1]).mean() > 0.9
+    assert np.isfinite(bounds[1]).mean() > 0.8
 
 
 @every_object
@@ -315,7 +311,7 @@ def test_the_inner_disc_lies_inside_and_touches_the_outline(surface):
     assert radius > 0
     if np.isinf(radius):
         return
-    distance = np.linalg.norm(np.vstack(surface.outline(box=tuple(window(surface)))) - point, axis=1).min()
+    distance = shapely.distance(shapely.MultiLineString(drawn(surface)), shapely.Point(point))
     assert distance == pytest.approx(radius, rel=0.03)
 
 

@@ -35,17 +35,21 @@ def _add(*terms: Interval) -> Interval:
     return reduce(_add_two, terms)
 
 
-def _products(a: Ends, b: Ends) -> Ends:
-    return np.where((a == 0) | (b == 0), 0.0, a * b)  # 0 * inf is 0: an end at infinity is not a value
-
-
 def multiplied(a: Interval, b: Interval) -> Interval:
     """Give the range of the product."""
-    products = [_products(p, q) for p in a for q in b]
-    exact_zero = [(p == 0) | (q == 0) for p in a for q in b]
-    low = [np.where(zero, 0.0, np.nextafter(p, -math.inf)) for zero, p in zip(exact_zero, products, strict=True)]
-    high = [np.where(zero, 0.0, np.nextafter(p, math.inf)) for zero, p in zip(exact_zero, products, strict=True)]
-    return reduce(np.minimum, low), reduce(np.maximum, high)
+    if b[0].ndim == 0 and b[0] == b[1]:
+        a, b = b, a
+    if a[0].ndim == 0 and a[0] == a[1] and a[0] != 0:  # most factors are constants
+        products = np.stack([a[0] * b[0], a[0] * b[1]])
+        exact = np.stack(b) == 0
+    else:
+        p, q = np.stack(np.broadcast_arrays(a[0], a[0], a[1], a[1])), np.stack(np.broadcast_arrays(*b, *b))
+        products = p * q
+        exact = (p == 0) | (q == 0)  # also 0 * inf: an end at infinity is not a value
+    lows, highs = np.nextafter(products, -math.inf), np.nextafter(products, math.inf)
+    if exact.any():
+        lows[exact] = highs[exact] = 0.0
+    return lows.min(axis=0), highs.max(axis=0)
 
 
 def _multiply(*factors: Interval) -> Interval:

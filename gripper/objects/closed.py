@@ -13,7 +13,7 @@ FLAT = 1e-12  # of the square of its size: less than that is no area
 
 
 def closed_points(name: str, points: tuple[tuple[float, float], ...]) -> Array:
-    """Return the points (m, 2) of a closed outline, in m: at least three, not on one line, each different from the next.
+    """Return the points (m, 2) of a closed outline, in m: three or more, not on one line, none repeated.
 
     Raises
     ------

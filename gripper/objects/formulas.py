@@ -58,11 +58,11 @@ class Span:
 
         ``coefficients`` (n, degree + 1, 2), in m, are those of each point's piece.
         """
-        return self.derivatives(points, order, t, *coefficients.reshape(len(points), -1).T)
+        return self.derivatives(points, order, t, *coefficients.reshape(-1, len(self.c)).T)
 
     def step(self, points: Array, t: Array, coefficients: Array) -> Array:
         """Newton's step (n,) of t towards the foot."""
-        step: Array = self._step(points[:, 0], points[:, 1], t, *coefficients.reshape(len(points), -1).T)[0]
+        step: Array = self._step(points[:, 0], points[:, 1], t, *coefficients.reshape(-1, len(self.c)).T)[0]
         return step
 
 

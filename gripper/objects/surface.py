@@ -163,8 +163,9 @@ def typical_slope(g: sympy.Expr, half_size: float, name: str = "g") -> float:
 
 def _finite(values: tuple[Array, ...]) -> NDArray[np.bool_]:
     """Tell at which points all values are finite: (n,)."""
-    rows = np.concatenate([value.reshape(len(value), -1) for value in values], axis=1)
-    finite: NDArray[np.bool_] = np.isfinite(rows).all(axis=1)
+    finite: NDArray[np.bool_] = np.isfinite(values[0])
+    for value in values[1:]:
+        finite = finite & np.isfinite(value).all(axis=tuple(range(1, value.ndim)))
     return finite
 
 
