@@ -82,7 +82,7 @@ def costs(scene: gr.Scene, theory: str, repeats: int = 7) -> Iterator[Cost]:
 
 
 def main(folder: str | Path | None = None, scene: gr.Scene | None = None, repeats: int = 7) -> list[Cost]:
-    """Measure Example II with and without shear; print the table and, where a folder is given, write ``cost.csv`` into it."""
+    """Measure Example II with and without shear; print the table; given a folder, write ``cost.csv`` into it."""
     scene, rows = scene or scenefile.read(SCENE), []
     print(f"{'theory':8} {'what':45} {'CPU ms: median':>14} {'min':>8} {'paper/this':>11} {'force error':>12}")
     for theory in FORCES:

@@ -171,6 +171,8 @@ def settle(setting: Setting, obstacle: Obstacle, state: State, order: int) -> Eq
     NoEquilibriumError
         Where it does not converge.
     """
+    if not state.sites:
+        return _unloaded(setting, obstacle, order)
     last, way = np.inf, 0.0
     for iteration in range(_ITERATIONS):
         if iteration == 0 or _stale(state):
@@ -188,6 +190,13 @@ def settle(setting: Setting, obstacle: Obstacle, state: State, order: int) -> Eq
         if not np.isfinite(last) or np.linalg.norm(state.z) > _WILD:
             raise NoEquilibriumError("Newton's iteration diverged")
     raise NoEquilibriumError(f"Newton's iteration did not converge in {_ITERATIONS} steps")
+
+
+def _unloaded(setting: Setting, obstacle: Obstacle, order: int) -> Equilibrium:
+    """The straight finger."""
+    beam = setting.beam((), order)
+    state = State(beam, np.zeros(beam.size))
+    return Equilibrium(state, obstacle, linearise(beam, state.z, setting.outline, obstacle, (), state.multipliers), 0)
 
 
 def _stale(state: State) -> bool:

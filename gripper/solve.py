@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 
 import numpy as np
 
-from gripper.active import Verified
 from gripper.answer import Answer, pose_result
 from gripper.assemble import first_order, left_out, setting
 from gripper.certificate import survey
@@ -33,7 +33,7 @@ def model(scene: Scene, fixed: Setting) -> Model:
     return Model(theory=fixed.theory, left_out=left_out(scene), not_modelled=(f"plane {other}", *NOT_MODELLED))
 
 
-def approach(fixed: Setting, final: Frame, direction: tuple[float, float], order: int) -> tuple[Verified, int]:
+def approach(fixed: Setting, final: Frame, direction: tuple[float, float], order: int) -> tuple[Answer, int]:
     """The equilibrium that is reached when the object comes along a direction from where it is free.
 
     Parameters
@@ -49,7 +49,7 @@ def approach(fixed: Setting, final: Frame, direction: tuple[float, float], order
 
     Returns
     -------
-    The equilibrium, and the order that it needed.
+    The answer at the pose, and the order of the strain fields that it needed.
 
     Raises
     ------
@@ -73,8 +73,7 @@ def approach(fixed: Setting, final: Frame, direction: tuple[float, float], order
             )
         back += max(pace, -found.min_gap)
     tracker = Tracker(fixed, path, -back, order, events=False)
-    answer = tracker.advance(0.0)
-    return answer.verified, tracker.order
+    return tracker.advance(0.0), tracker.order
 
 
 def solve(scene: Scene) -> Result:
@@ -101,20 +100,9 @@ def solve(scene: Scene) -> Result:
     frame = kinematics.frame(0.0)
     began = time.process_time()
     try:
-        verified, order = approach(fixed, frame, scene.approach, first_order(scene.tolerance))
-        still = Retreat(frame, 0j)
-        tracker = Tracker.resume(fixed, still, 0.0, order, verified)
-        pose = _timed(fixed, kinematics, tracker.advance(0.0), None, 0.0, began)
+        answer, _ = approach(fixed, frame, scene.approach, first_order(scene.tolerance))
+        pose = pose_result(fixed, answer, None, kinematics.placement(0.0))
     except NoEquilibriumError as error:
-        pose = PoseResult.failed(None, str(error), 0, time.process_time() - began)
+        pose = PoseResult.failed(None, str(error))
+    pose = replace(pose, seconds=time.process_time() - began)
     return Result(title=scene.title, scene=scene, model=model(scene, fixed), poses=(pose,), events=())
-
-
-def _timed(
-    fixed: Setting, kinematics: Kinematics, answer: Answer, parameter: float | None, at: float, began: float
-) -> PoseResult:
-    """A pose's result with the CPU time since it was begun."""
-    from dataclasses import replace
-
-    pose = pose_result(fixed, answer, parameter, kinematics.placement(at))
-    return replace(pose, seconds=time.process_time() - began)

@@ -85,5 +85,5 @@ class _Follower:
         try:
             return Tracker(self.fixed, self.kinematics, value, self.order)
         except NoEquilibriumError:
-            reached, order = approach(self.fixed, self.kinematics.frame(value), self.scene.approach, self.order)
-            return Tracker.resume(self.fixed, self.kinematics, value, order, reached)
+            answer, order = approach(self.fixed, self.kinematics.frame(value), self.scene.approach, self.order)
+            return Tracker.resume(self.fixed, self.kinematics, value, order, answer.verified)

@@ -122,8 +122,8 @@ class Tracker:
         """The straight finger and what the object leaves of it."""
         obstacle = self.setting.obstacle(self.path.frame(parameter))
         beam = self.setting.beam((), self.order)
-        straight = State(beam, np.zeros(beam.size))
-        return Verified(settle(self.setting, obstacle, straight, self.order), survey(self.setting, obstacle, straight))
+        straight = settle(self.setting, obstacle, State(beam, np.zeros(beam.size)), self.order)
+        return Verified(straight, survey(self.setting, obstacle, straight.state))
 
     def _at(self, parameter: float, state: State) -> Verified:
         obstacle = self.setting.obstacle(self.path.frame(parameter))

@@ -8,7 +8,7 @@ from gripper_plugins.objects.ellipse import Ellipse
 from gripper_plugins.objects.implicit import Implicit
 from gripper_plugins.objects.polygon import Polygon
 from gripper_plugins.objects.spline import Spline
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from gripper.objects import FeatureSurface, ImplicitSurface
@@ -147,6 +147,17 @@ def test_the_smaller_part_of_an_implicit_surface_bounds_the_room_inside():
     assert len(surface.outline()) == 2
 
 
+def test_an_implicit_surface_of_branches_has_their_values_and_no_proved_curvature():
+    x, y = sympy.symbols("x y")
+    r = sympy.sqrt(x**2 + y**2)
+    halves = sympy.Piecewise((r - 0.03, x < 0), (sympy.sqrt((x / 2) ** 2 + y**2) - 0.03, True))
+    surface = Implicit(expression=halves, extent=0.08)
+    assert surface.box == pytest.approx((-0.03, -0.03, 0.06, 0.03), abs=1e-3)
+    slopes, least = surface.bounds(np.array([[-0.02, 0.0], [0.0, 0.03]]), np.full(2, 1e-3))
+    assert (slopes < 1.2 * np.linalg.norm(surface.gradient([[-0.02, 0.0]]))).all()
+    assert (least == -np.inf).all()
+
+
 def test_an_angle_that_jumps_leaves_nothing_proved():
     spiral = Implicit(expression="sqrt(x**2 + y**2) - 0.03 - 0.001*atan2(y, x)", extent=0.05)
     flower = Implicit(expression="sqrt(x**2 + y**2) - 0.03 - 0.001*cos(3*atan2(y, x))", extent=0.05)
@@ -239,6 +250,30 @@ def test_a_hollow_spline_s_bound_comes_near_its_curvature():
     curvature = np.linalg.eigvalsh(spline.hessian(outline))[:, 0]
     assert (least <= curvature + 1e-9).all()
     assert (least >= curvature - 0.5).all()
+
+
+@settings(deadline=None, max_examples=40)
+@given(st.lists(st.floats(0.1, 1.0), min_size=3, max_size=12), st.sampled_from([Polygon, Spline]), st.integers(0, 99))
+def test_outlines_of_any_shape_give_shapely_s_distance_and_bounds_that_hold(radii, kind, seed):
+    angle = np.linspace(0, 2 * np.pi, len(radii), endpoint=False)
+    corners = 0.05 * np.array(radii)[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+    try:
+        surface = kind(**{"vertices" if kind is Polygon else "points": corners})
+    except ValueError:  # a spline that overshoots into itself
+        assume(False)
+    rng = np.random.default_rng(seed)
+    centers, reach = rng.uniform(-0.07, 0.07, (100, 2)), 10 ** rng.uniform(-5, -1.5, 100)
+    exact = signed_distance(surface.outline(tolerance=1e-7)[0], centers)
+    assert surface.gap(centers) == pytest.approx(exact, abs=1.1e-7)
+    least = surface.bounds(centers, reach)[1]
+    p, d = (
+        centers + reach[:, None] * rng.uniform(-0.7, 0.7, (100, 2)),
+        reach[:, None] * rng.uniform(-0.3, 0.3, (100, 2)) / 5,
+    )
+    g, gradient = surface.evaluate(p, 1)
+    above = surface.gap(p + d) - g - (gradient * d).sum(axis=1)
+    known = np.isfinite(least)
+    assert (above >= np.where(known, least, 0.0) * (d * d).sum(axis=1) / 2 - 1e-13)[known].all()
 
 
 @pytest.mark.parametrize(

@@ -90,21 +90,20 @@ def test_differences_lead_to_the_same_answer_as_exact_gradients() -> None:
     assert differences.evaluations > 20 * exact.evaluations
 
 
-@pytest.mark.parametrize(("shear", "left"), [("averaged", 0.01), ("averaged_free", 1e-9)])
-def test_the_averaged_shear_collapses_and_slsqp_calls_it_success(shear: Shear, left: float) -> None:
-    """A zig-zag of the shear angle costs no energy and shortens the finger until it no longer touches."""
+def test_the_averaged_shear_collapses_and_slsqp_calls_it_success() -> None:
+    """A zig-zag of the shear angle costs no energy and shortens the finger until it hardly touches."""
     reference = ELLIPSE["-0.0254"]["shear, mu = 0"]
-    result = solve_as_published(ROTATING, -0.0254, N=90, shear=shear)
+    result = solve_as_published(ROTATING, -0.0254, N=90, shear="averaged")
     assert result.success
-    assert np.hypot(*result.force_on_object) < left * reference["normal_force"]
+    assert np.hypot(*result.force_on_object) < 0.01 * reference["normal_force"]
     assert result.energy < 0.03 * reference["energy"]
 
 
-def test_with_the_first_shear_angle_free_the_collapse_is_complete_at_every_resolution() -> None:
-    for N in (11, 20, 45):
-        result = solve_as_published(ROTATING, -0.0254, N=N, shear="averaged_free")
-        assert result.success
-        assert np.hypot(*result.force_on_object) < 1e-4  # of 15.8 N
+@pytest.mark.parametrize("N", [11, 20, 45])
+def test_with_the_first_shear_angle_free_no_force_is_left_at_any_resolution(N: int) -> None:
+    result = solve_as_published(ROTATING, -0.0254, N=N, shear="averaged_free")
+    assert result.success
+    assert np.hypot(*result.force_on_object) < 1e-4  # of 15.8 N
 
 
 def test_from_the_straight_finger_the_published_scheme_ends_on_the_wrong_side_and_calls_it_success() -> None:

@@ -46,8 +46,8 @@ class Concavity:
         lowest = np.zeros(n)
         np.minimum.at(lowest, disc, self.lowest[chord])
         outside = np.maximum(g + radii, 0.0)
-        left = 1 + lowest * outside  # how much of the radius of curvature is left
-        with np.errstate(divide="ignore", invalid="ignore"):
+        with np.errstate(divide="ignore", invalid="ignore"):  # at cusps the curvature is infinite
+            left = 1 + lowest * outside  # how much of the radius of curvature is left
             bound = np.where(outside > 0, lowest / left, lowest)
         settled = (links >= count - 1) & (turn < math.pi) & (left > 0)
         settled |= (outside == 0) & np.isfinite(turn)
