@@ -21,7 +21,7 @@ _PATIENCE = 40  # SLSQP takes 8 to 15 iterations where it gets somewhere
 _COARSE = 1e-6  # SLSQP only has to tell who touches: Newton does the rest
 _ACTIVE = 1e-6  # of the largest multiplier
 _PATCH = 1e-4  # of L: narrower patches are points (the mean tangent's error falls with the square of the width)
-_WIDEST = 0.3  # of L: first guess of a patch
+_WIDEST = 0.3  # of L: where a patch would be wider, finger and object conform
 _TOGETHER = 0.02  # of L: tangents nearer than this are one contact
 _TIP = 0.1  # of L: a contact this near to the tip may be the corner's
 _PULL = 1e-9  # relative: multipliers this negative are round-off
@@ -51,7 +51,8 @@ def fit_patches(setting: Setting, equilibrium: Equilibrium) -> tuple[Site, ...]:
         if site.kind == "tangent" and site.on_face:
             force = float(np.abs(lin.forces[i].sum()))
             rigidity = float(setting.sections.GA(np.array(site.place))[0])
-            width = min(force / (rigidity * max(lin.residual_slopes[column, column], 1e-12)), _WIDEST)
+            curvature = float(lin.residual_slopes[column, column])
+            width = force / (rigidity * curvature) if curvature > force / (rigidity * _WIDEST) else 0.0
             if width > _PATCH:
                 start, stop = site.place[0] - width / 2, site.place[0] + width / 2
                 site = replace(site, kind="patch", place=(max(start, 1e-6), stop))
@@ -191,8 +192,9 @@ def _violated(
         length = setting.outline.pieces[piece].length
         start, stop = max(u - _STRETCH, 0.0), min(u + _STRETCH, length)
         mine = [c for c in (*known, *out) if c.kind == "stretch" and c.piece == piece]
-        if not any(c.start <= u <= c.stop and c.stop - c.start < 2.5 * _STRETCH for c in mine):
-            out.append(Candidate("stretch", piece, start, stop))
+        if any(c.start <= u <= c.stop and c.stop - c.start < 2.5 * _STRETCH for c in mine):
+            start = stop = u  # a second penetration beside a stretch's least gap: they conform
+        out.append(Candidate("node" if start == stop else "stretch", piece, start, stop))
     return tuple(out)
 
 
@@ -260,6 +262,7 @@ def _merged(chosen: list[tuple[Site, float]]) -> list[tuple[Site, float]]:
     for site, force in sorted(chosen, key=lambda item: (item[0].kind, item[0].piece, item[0].vertex, item[0].place)):
         last = out[-1][0] if out else None
         same = last is not None and (last.kind, last.piece, last.vertex) == (site.kind, site.piece, site.vertex)
+        same = same and site.kind != "node"
         if same and last is not None and (not site.place or site.place[0] - last.place[0] < _TOGETHER):
             total = out[-1][1] + force
             if site.place:
@@ -286,6 +289,9 @@ def _alternatives(setting: Setting, contacts: list[tuple[Site, float]]) -> list[
         if setting.theory != "bending":
             start = min([c[0].place[0] for c in at_tip if c[0].place] + [1 - 10 * _PATCH])
             sets.append([*rest, (Site("tail", face, (start, 1.0)), force / 2), (corner, force / 2)])
+    if any(site.kind == "tangent" for site, _ in contacts):
+        held = [(replace(s, kind="node") if s.kind == "tangent" else s, force) for s, force in contacts]
+        sets.append(held)  # where finger and object conform, a tangent's place is not determined
     return [_as_set(chosen) for chosen in sets]
 
 

@@ -23,6 +23,7 @@ NO_FORCE = 1e-9
 STATIONARY = 1e-8
 BALANCED = 1e-2
 _DRAWN = 81
+_CONFORMING = 0.06  # of L: nodes nearer to one another than this are one contact
 
 
 def cross(a: Complex, b: Complex) -> float:
@@ -185,9 +186,17 @@ def contacts(setting: Setting, equilibrium: Equilibrium, placement: Placement) -
     lin, sites = equilibrium.linear, equilibrium.state.sites
     tails = {setting.outline.tip_corner(site.piece) for site in sites if site.kind == "tail"}
     groups: dict[object, list[int]] = {}
-    for i, site in enumerate(sites):
+    last = -1
+    for i in sorted(range(len(sites)), key=lambda i: (sites[i].piece, sites[i].place)):
+        site = sites[i]
         corner = setting.outline.tip_corner(site.piece) if site.kind == "tail" else site.piece
-        groups.setdefault(("tail", corner) if corner in tails else i, []).append(i)
+        if corner in tails:
+            groups.setdefault(("tail", corner), []).append(i)
+        elif last >= 0 and _conform(sites[last], site):
+            next(members for members in groups.values() if last in members).append(i)
+        else:
+            groups[i] = [i]
+        last = i
     length = setting.sections.length
     out = []
     for members in groups.values():
@@ -210,6 +219,13 @@ def contacts(setting: Setting, equilibrium: Equilibrium, placement: Placement) -
             )
         )
     return tuple(sorted(out, key=lambda contact: contact.s))
+
+
+def _conform(one: Site, other: Site) -> bool:
+    """Whether neighbouring contacts on one piece belong to one stretch that conforms to the object."""
+    if one.piece != other.piece or "node" not in (one.kind, other.kind):
+        return False
+    return other.place[0] - one.place[-1] < _CONFORMING
 
 
 def _places(setting: Setting, sites: list[Site], stations: list[Array]) -> tuple[Part, Array]:

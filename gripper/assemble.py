@@ -36,7 +36,7 @@ _ORDERS = ((1e-2, 2), (1e-3, 3), (1e-4, 4), (1e-6, 5), (1e-8, 7), (0.0, 9))
 class Candidate:
     """Where finger and object may touch: a stretch of a piece, a corner of the outline, or one of the object's."""
 
-    kind: Literal["stretch", "corner", "vertex"]
+    kind: Literal["stretch", "corner", "node", "vertex"]
     piece: int
     start: float = 0.0
     stop: float = 0.0
@@ -131,7 +131,7 @@ class Problem:
         sites = self._evaluate(z)[0]
         lin = linearise(self.beam, z, self.setting.outline, self.obstacle, sites, np.asarray(weights), kinks=False)
         slope = np.diag(lin.residual_slopes).copy()
-        free = np.array([self._inside(site, c) for site, c in self._placed(sites) if site.place], dtype=bool)
+        free = np.array([self._inside(site, c) for site, c in self._placed(sites) if site.unknown_places], dtype=bool)
         moving = np.where(free & (np.abs(slope) > 1e-12), slope, np.inf)
         hessian = lin.hessian - lin.load_slopes @ (lin.residual_gradients / moving[:, None])
         return hessian * (self.setting.sections.length * self.scale**2)
@@ -190,7 +190,7 @@ class Problem:
         """Samples along each stretch, and along the whole piece for each of the object's corners."""
         u, piece, owner = [], [], []
         for i, candidate in enumerate(self.candidates):
-            if candidate.kind != "corner":
+            if candidate.kind in ("stretch", "vertex"):
                 u.append(np.linspace(candidate.start, candidate.stop, _SAMPLES))
                 piece.append(np.full(_SAMPLES, candidate.piece))
                 owner.append(i)
@@ -249,6 +249,8 @@ class Problem:
         for i, c in enumerate(self.candidates):
             if c.kind == "corner":
                 sites.append(Site("corner", c.piece, ()))
+            elif c.kind == "node":
+                sites.append(Site("node", c.piece, (c.start,)))
             else:
                 sites.append(Site("vertex" if c.kind == "vertex" else "tangent", c.piece, (found[i],), c.vertex))
         return tuple(sites)

@@ -20,7 +20,7 @@ from gripper.equilibrium import Setting, State
 from gripper.obstacle import Obstacle
 from gripper.outline import LOWER, UPPER, Axis, crossings, dot
 
-DEPTH = 2e-7
+DEPTH = 5e-7
 """Penetration that counts as none, by L."""
 _PER_SEGMENT = 8
 _PER_EDGE = 4

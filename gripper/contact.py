@@ -4,6 +4,7 @@ A contact's place is an unknown of its own and moves between nodes. Its kinds:
 
 ``tangent``  a smooth stretch of the object on a face or an edge: g = 0 and dg/du = 0 at u;
 ``corner``   a corner of the outline on the object: g = 0;
+``node``     a fixed place of a face or an edge: g = 0 (where both conform, and no place is singled out);
 ``vertex``   a corner of the object on a face or an edge: signed distance 0 at the foot of the normal;
 ``patch``    with shear, a smooth object is touched over [a, b], because gamma drops to zero behind a force: the
              pressure is a polynomial, the gap's moments against it vanish, and so does the gap at both ends;
@@ -25,7 +26,7 @@ from gripper.beam import Beam
 from gripper.obstacle import Obstacle
 from gripper.outline import UPPER, Axis, Outline, Stations, dot, second_derivative
 
-Kind = Literal["tangent", "corner", "vertex", "patch", "tail"]
+Kind = Literal["tangent", "corner", "node", "vertex", "patch", "tail"]
 PRESSURES = 2  # pressure modes of a patch: constant and linear
 _GAUSS_X, _GAUSS_W = np.polynomial.legendre.leggauss(6)
 _PRESSURE = np.stack([np.ones(6), _GAUSS_X])[:PRESSURES]  # (modes, 6)
@@ -50,7 +51,7 @@ class Site:
     @property
     def unknown_places(self) -> int:
         """How many coordinates of its place are unknown."""
-        return {"tangent": 1, "corner": 0, "vertex": 1, "patch": 2, "tail": 1}[self.kind]
+        return {"tangent": 1, "corner": 0, "node": 0, "vertex": 1, "patch": 2, "tail": 1}[self.kind]
 
     @property
     def on_face(self) -> bool:
@@ -65,7 +66,7 @@ class Site:
     def moved(self, places: Array) -> Site:
         """The same contact at other values of its unknown places."""
         place = (*map(float, places), 1.0) if self.kind == "tail" else tuple(map(float, places))
-        return self if self.kind == "corner" else replace(self, place=place)
+        return replace(self, place=place) if self.unknown_places else self
 
     def breaks(self) -> tuple[float, ...]:
         """Where the strains have kinks because of it."""
@@ -233,7 +234,7 @@ class _System:
         return gradients.real.T @ curved.real + gradients.imag.T @ curved.imag
 
     def add_point(self, site: Site, i: int, row: int, column: int, force: float) -> None:
-        """Tangent, or corner of the outline."""
+        """Tangent, node, or corner of the outline."""
         self.values[row], self.gradients[row], self.value_rates[row] = self.gap[i], self.pressing[i], self.gap_rate[i]
         self._load(slice(i, i + 1), force)
         self.force_multipliers[row] = self.normal[i]

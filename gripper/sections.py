@@ -86,7 +86,8 @@ def sections(finger: Finger) -> Sections:
     profile = sympy.lambdify([S], [w, sympy.diff(w, S), sympy.diff(w, S, 2)], "numpy", cse=True)
     stations = _CHECKED * finger.length
     for name, function in (("thickness", thickness), ("width", width)):
-        values: Any = function(stations)
+        with np.errstate(all="ignore"):
+            values: Any = function(stations)
         wrong = ~(np.isfinite(values) & (values > 0))
         if wrong.any():
             place = stations[wrong][0]

@@ -2,17 +2,17 @@ import numpy as np
 import pytest
 import shapely
 import sympy
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from gripper.objects import FeatureSurface, ImplicitSurface
+from gripper.objects.compiled import compiled
 from gripper_plugins.objects.circle import Circle
 from gripper_plugins.objects.conic import Conic
 from gripper_plugins.objects.ellipse import Ellipse
 from gripper_plugins.objects.implicit import Implicit
 from gripper_plugins.objects.polygon import Polygon
 from gripper_plugins.objects.spline import Spline
-from hypothesis import assume, given, settings
-from hypothesis import strategies as st
-
-from gripper.objects import FeatureSurface, ImplicitSurface
-from gripper.objects.compiled import compiled
 
 RNG = np.random.default_rng(7)
 SIZES = st.floats(1e-3, 1.0)
@@ -266,10 +266,8 @@ def test_outlines_of_any_shape_give_shapely_s_distance_and_bounds_that_hold(radi
     exact = signed_distance(surface.outline(tolerance=1e-7)[0], centers)
     assert surface.gap(centers) == pytest.approx(exact, abs=1.1e-7)
     least = surface.bounds(centers, reach)[1]
-    p, d = (
-        centers + reach[:, None] * rng.uniform(-0.7, 0.7, (100, 2)),
-        reach[:, None] * rng.uniform(-0.3, 0.3, (100, 2)) / 5,
-    )
+    p = centers + reach[:, None] * rng.uniform(-0.6, 0.6, (100, 2))
+    d = reach[:, None] * rng.uniform(-0.1, 0.1, (100, 2))
     g, gradient = surface.evaluate(p, 1)
     above = surface.gap(p + d) - g - (gradient * d).sum(axis=1)
     known = np.isfinite(least)

@@ -43,7 +43,8 @@ def multiplied(a: Interval, b: Interval) -> Interval:
         products = np.stack([a[0] * b[0], a[0] * b[1]])
         exact = np.stack(b) == 0
     else:
-        p, q = np.stack(np.broadcast_arrays(a[0], a[0], a[1], a[1])), np.stack(np.broadcast_arrays(*b, *b))
+        a_low, a_high, b_low, b_high = np.broadcast_arrays(*a, *b)
+        p, q = np.stack([a_low, a_low, a_high, a_high]), np.stack([b_low, b_high, b_low, b_high])
         products = p * q
         exact = (p == 0) | (q == 0)  # also 0 * inf: an end at infinity is not a value
     lows, highs = np.nextafter(products, -math.inf), np.nextafter(products, math.inf)

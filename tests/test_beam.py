@@ -1,0 +1,245 @@
+"""Strains to shape: the energy is exact, the shape is the integral, and closed forms come out."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.optimize import minimize
+
+import gripper as gr
+from gripper.beam import Beam, legendre, legendre_integrals
+from gripper.outline import Axis
+from gripper.sections import sections
+from tests.scenes import EXACT, RUBBER, TAPERED, unit_finger
+
+GAUSS, WEIGHTS = np.polynomial.legendre.leggauss(48)
+THICK, UNIFORM = sections(TAPERED), sections(unit_finger())
+SEGMENTS = [(0.0, 1.0), (0.0, 0.61, 1.0), (0.0, 0.3, 0.37, 0.9, 1.0)]
+BEAMS = [
+    Beam(profile, breaks, order, theory)
+    for profile in (THICK, UNIFORM)
+    for breaks in SEGMENTS
+    for order, theory in ((0, "shear"), (4, "bending"), (6, "shear"))
+]
+beams = st.sampled_from(BEAMS)
+seeds = st.integers(0, 2**32 - 1)
+
+
+def random_unknowns(beam: Beam, seed: int, size: float = 1.0) -> np.ndarray:
+    z = np.random.default_rng(seed).normal(size=beam.size)
+    return size * z / np.linalg.norm(z)
+
+
+def quadrature(beam: Beam, start: float, stop: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Stations, weights and segments that integrate piecewise smooth fields over [start, stop]."""
+    marks = np.union1d([start, stop], [b for b in beam.breaks if start < b < stop])
+    half = np.diff(marks)[:, None] / 2
+    s = (marks[:-1, None] + half * (GAUSS + 1)).ravel()
+    return s, (half * WEIGHTS).ravel(), beam.segment_of(s)
+
+
+def fields(beam: Beam, z: np.ndarray, s: np.ndarray, segment: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Kappa and gamma."""
+    strains = beam.strains(z, s, segment)
+    return strains[0], strains[1] if beam.fields == 2 else np.zeros_like(s)
+
+
+def values(beam: Beam, z: np.ndarray, s: np.ndarray, *, left: bool = False) -> tuple[np.ndarray, ...]:
+    return Axis.of(beam, z).values(s, beam.segment_of(s, left=left))
+
+
+@given(beam=beams, seed=seeds)
+@settings(deadline=None)
+def test_the_energy_is_half_the_square_of_the_unknowns(beam: Beam, seed: int) -> None:
+    z = random_unknowns(beam, seed)
+    s, weights, segment = quadrature(beam, 0, 1)
+    kappa, gamma = fields(beam, z, s, segment)
+    energy = weights @ (beam.sections.EI(s) * kappa**2 + beam.sections.GA(s) * gamma**2) / 2
+    assert z @ z / 2 == pytest.approx(energy, rel=1e-12)
+
+
+@given(beam=beams, seed=seeds, stop=st.floats(0.01, 1))
+@settings(deadline=None)
+def test_the_shape_is_the_integral_of_the_strains(beam: Beam, seed: int, stop: float) -> None:
+    z = random_unknowns(beam, seed, 0.5)
+    s, weights, segment = quadrature(beam, 0, stop)
+    position, psi, theta, kappa = values(beam, z, np.array([stop]))
+    assert psi[0] == pytest.approx(weights @ fields(beam, z, s, segment)[0], abs=1e-12)
+    turn, shear = fields(beam, z, np.array([stop]), beam.segment_of(np.array([stop])))
+    assert (kappa[0], theta[0]) == pytest.approx((turn[0], psi[0] + shear[0]), abs=1e-12)
+    along = values(beam, z, s)[2]
+    assert abs(position[0] - weights @ np.exp(1j * along)) < 1e-9
+
+
+@given(beam=beams, seed=seeds)
+@settings(deadline=None)
+def test_rows_are_the_values_linear_maps(beam: Beam, seed: int) -> None:
+    z, s = random_unknowns(beam, seed), np.linspace(0, 1, 23)
+    axis, segment = Axis.of(beam, z), beam.segment_of(s)
+    rows = beam.rows(s, segment)
+    position, psi, theta, kappa = axis.values(s, segment)
+    for mapped, value in zip((rows.psi, rows.psi + rows.gamma, rows.kappa), (psi, theta, kappa), strict=True):
+        assert mapped @ z == pytest.approx(value, abs=1e-12)
+    assert rows.position @ axis.direction == pytest.approx(position, abs=1e-12)
+    assert np.angle(axis.direction / np.exp(1j * axis.values(beam.gauss, beam.segment_of(beam.gauss))[2])) == (
+        pytest.approx(0, abs=1e-12)
+    )
+
+
+@given(beam=beams, seed=seeds)
+@settings(deadline=None)
+def test_position_and_rotation_do_not_jump_where_segments_meet(beam: Beam, seed: int) -> None:
+    z, inner = random_unknowns(beam, seed), np.array(beam.breaks[1:-1])
+    before, after = values(beam, z, inner, left=True), values(beam, z, inner)
+    assert before[0] == pytest.approx(after[0], abs=1e-13)
+    assert before[1] == pytest.approx(after[1], abs=1e-13)
+
+
+@given(seed=seeds, breaks=st.sampled_from(SEGMENTS), profile=st.sampled_from([THICK, UNIFORM]))
+@settings(deadline=None)
+def test_order_zero_is_a_chain_of_circular_arcs(seed: int, breaks: tuple[float, ...], profile: object) -> None:
+    beam = Beam(profile, breaks, 0, "shear")
+    z = random_unknowns(beam, seed)
+    kappa, gamma = beam.coefficients(z)[:, :, 0]
+    ds = np.diff(breaks)
+    psi = np.concatenate([[0.0], np.cumsum(kappa * ds)])
+    middle = psi[:-1] + kappa * ds / 2 + gamma
+    chords = ds * np.sinc(kappa * ds / (2 * np.pi)) * np.exp(1j * middle)  # numpy's sinc(x) is sin(pi x) / (pi x)
+    position, rotation, *_ = values(beam, z, np.array(breaks), left=True)
+    assert position == pytest.approx(np.concatenate([[0], np.cumsum(chords)]), abs=1e-12)
+    assert rotation == pytest.approx(psi, abs=1e-12)
+
+
+@given(beam=beams, seed=seeds)
+@settings(deadline=None)
+def test_coefficients_and_unknowns_are_each_other_s_inverse(beam: Beam, seed: int) -> None:
+    z = random_unknowns(beam, seed)
+    assert beam.unknowns(beam.coefficients(z)) == pytest.approx(z, abs=1e-12)
+
+
+@given(beam=beams, seed=seeds)
+@settings(deadline=None)
+def test_a_beam_of_higher_order_holds_the_very_fields_of_a_lower_one(beam: Beam, seed: int) -> None:
+    finer = Beam(beam.sections, beam.breaks, beam.order + 2, beam.theory)
+    z, s = random_unknowns(beam, seed), np.linspace(0, 1, 33)
+    embedded, segment = finer.embed(beam, z), beam.segment_of(s)
+    assert finer.strains(embedded, s, segment) == pytest.approx(beam.strains(z, s, segment), abs=1e-10)
+    assert embedded @ embedded == pytest.approx(z @ z, rel=1e-12)
+
+
+@given(beam=beams, seed=seeds, marks=st.lists(st.floats(0.05, 0.95), max_size=3, unique_by=lambda s: round(s, 1)))
+@settings(deadline=None)
+def test_fields_that_are_polynomials_all_along_survive_other_segments(
+    beam: Beam, seed: int, marks: list[float]
+) -> None:
+    whole = Beam(beam.sections, (0.0, 1.0), beam.order, beam.theory)
+    z, s = random_unknowns(whole, seed), np.linspace(0, 1, 33)
+    other = Beam(beam.sections, (0.0, *sorted(marks), 1.0), beam.order, beam.theory)
+    expected = whole.strains(z, s, whole.segment_of(s))
+    for found, cut in ((beam.project(whole, z), beam), (other.project(beam, beam.project(whole, z)), other)):
+        assert cut.strains(found, s, cut.segment_of(s)) == pytest.approx(expected, abs=1e-8)
+        assert found @ found == pytest.approx(z @ z, rel=1e-9)
+
+
+@given(seed=seeds, shifts=st.lists(st.floats(-0.05, 0.05), min_size=2, max_size=2))
+@settings(deadline=None)
+def test_a_segment_that_moves_a_little_keeps_its_polynomial(seed: int, shifts: list[float]) -> None:
+    old = Beam(THICK, (0.0, 0.3, 0.7, 1.0), 5, "shear")
+    new = Beam(THICK, (0.0, 0.3 + shifts[0], 0.7 + shifts[1], 1.0), 5, "shear")
+    z = random_unknowns(old, seed)
+    carried = new.carry(old, z)
+    for segment in range(3):
+        s = np.linspace(new.breaks[segment], new.breaks[segment + 1], 9)
+        each = np.full(9, segment)
+        assert new.strains(carried, s, each) == pytest.approx(old.strains(z, s, each), abs=1e-6)
+
+
+def test_a_segment_under_way_bridges_its_neighbours() -> None:
+    old, new = (Beam(THICK, (0.0, a, a + 0.01, 1.0), 5, "shear") for a in (0.5, 0.55))
+    z = random_unknowns(old, 1)
+    carried = new.carry(old, z)
+    s = np.linspace(0.55, 0.56, 5)
+    left = old.strains(z, s[:1], np.array([0]))[:, 0]
+    right = old.strains(z, s[-1:], np.array([2]))[:, 0]
+    bridge = np.array([np.linspace(a, b, 5) for a, b in zip(left, right, strict=True)])
+    assert new.strains(carried, s, np.full(5, 1)) == pytest.approx(bridge, abs=1e-9)
+
+
+@given(beam=beams, seed=seeds)
+@settings(deadline=None)
+def test_no_strain_changes_faster_than_its_bound(beam: Beam, seed: int) -> None:
+    z = random_unknowns(beam, seed)
+    bounds = beam.slope_bounds(z)
+    for segment in range(beam.segments):
+        s, h = np.linspace(*beam.breaks[segment : segment + 2], 60), 1e-7
+        inner, each = s[1:-1], np.full(58, segment)
+        change = (beam.strains(z, inner + h, each) - beam.strains(z, inner - h, each)) / (2 * h)
+        slopes = beam.slopes(z, beam.rows(inner, each).table, each)[: beam.fields]
+        assert slopes == pytest.approx(change, abs=1e-5 * max(1.0, np.abs(change).max()))
+        assert (np.abs(slopes).max(axis=1) <= bounds[: beam.fields, segment] * (1 + 1e-12) + 1e-12).all()
+
+
+def test_legendre_integrals_are_the_integrals_from_minus_one() -> None:
+    x = np.linspace(-1, 1, 11)
+    expected = [np.polynomial.Legendre.basis(k).integ(lbnd=-1)(x) for k in range(9)]
+    assert legendre_integrals(legendre(x, 10)) == pytest.approx(np.column_stack(expected), abs=1e-14)
+
+
+def cantilever(finger: gr.Finger, force: float, theory: str, order: int = 14) -> tuple[complex, float, float]:
+    """Tip, its rotation and the root's curvature under a dead force across the undeflected tip: min V - P y."""
+    profile = sections(finger)
+    beam = Beam(profile, (0.0, 0.5, 1.0), order, theory)
+    tip, load = beam.rows(np.ones(1), np.array([1])), force / profile.force_scale
+    map_, weights = beam.theta_map, tip.position[0]
+
+    def energy(z: np.ndarray) -> tuple[float, np.ndarray]:
+        theta = map_ @ z
+        return z @ z / 2 - load * weights @ np.sin(theta), z - load * (weights * np.cos(theta)) @ map_
+
+    def hessian(z: np.ndarray) -> np.ndarray:
+        return np.eye(beam.size) + load * map_.T @ ((weights * np.sin(map_ @ z))[:, None] * map_)
+
+    start = np.zeros(beam.size)
+    answer = minimize(energy, start, jac=True, hess=hessian, method="trust-exact", options={"gtol": 1e-11})
+    z = answer.x
+    for _ in range(3):
+        z = z - np.linalg.solve(hessian(z), energy(z)[1])
+    position, psi, *_ = values(beam, z, np.ones(1))
+    return complex(position[0]), float(psi[0]), float(values(beam, z, np.zeros(1))[3][0])
+
+
+@pytest.mark.parametrize(
+    "row", EXACT["cantilever, dead tip load (Bisshopp & Drucker 1945; digits by elliptic integrals, "
+                 "agreeing with Mattiasson 1981)"]["rows"], ids=lambda row: f"P = {row[0]}",
+)  # fmt: skip
+def test_the_cantilever_under_a_dead_load_is_the_elastica(row: list[float]) -> None:
+    load, deflection, shortening, slope, curvature = row
+    tip, rotation, root = cantilever(unit_finger(), load, "bending")
+    assert (tip.imag, 1 - tip.real, rotation, root) == pytest.approx((deflection, shortening, slope, curvature), 1e-5)
+
+
+@pytest.mark.parametrize(
+    "row", EXACT["cantilever with shear, EI = 10, L = 1, P = 10: Reissner beam with EA = infinity "
+                 "(Batista 2016, IJSS 87) and the inextensible model"]["rows"], ids=lambda row: f"GA = {row[0]}",
+)  # fmt: skip
+def test_the_cantilever_with_shear_is_the_inextensible_model_s(row: list[float]) -> None:
+    GA, _, _, shortening, deflection = row
+    material = gr.Material(youngs_modulus=120 / 0.1**3, poisson_ratio=0.3)
+    G = GA / (material.shear_coefficient * 0.1)
+    finger = unit_finger(0.1, material=replace(material, shear_modulus=G))
+    assert sections(finger).GA(np.zeros(1)) * sections(finger).force_scale == pytest.approx(GA)
+    tip, *_ = cantilever(finger, 10.0, "shear")
+    assert (1 - tip.real, tip.imag) == pytest.approx((shortening, deflection), 1e-5)
+
+
+def test_whitening_holds_for_profiles_that_no_quadrature_integrates_exactly() -> None:
+    wide = replace(TAPERED, width=gr.fingers.S * 0.1 + 0.01, material=RUBBER)
+    beam = Beam(sections(wide), (0.0, 0.4, 1.0), 6, "shear")
+    z = random_unknowns(beam, 0)
+    s, weights, segment = quadrature(beam, 0, 1)
+    kappa, gamma = fields(beam, z, s, segment)
+    assert z @ z == pytest.approx(weights @ (beam.sections.EI(s) * kappa**2 + beam.sections.GA(s) * gamma**2))
