@@ -13,6 +13,7 @@ if __name__ == "__main__":  # before numpy is imported: a BLAS library's waiting
     os.environ.update(dict.fromkeys(("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"), "1"))
 
 import csv
+import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
@@ -96,4 +97,4 @@ def main(folder: str | Path | None = None, scene: gr.Scene | None = None, repeat
 
 
 if __name__ == "__main__":
-    main()
+    main(*sys.argv[1:2])

@@ -24,6 +24,7 @@ _PATCH = 1e-4  # of L: narrower patches are points (the mean tangent's error fal
 _WIDEST = 0.3  # of L: where a patch would be wider, finger and object conform
 _TOGETHER = 0.02  # of L: tangents nearer than this are one contact
 _TIP = 0.1  # of L: a contact this near to the tip may be the corner's
+_FLAT = 1e-4  # curvature of the gap, times L: below it a tangent's place is held by the next order
 _PULL = 1e-9  # relative: multipliers this negative are round-off
 REACH = 0.05
 """Stretches of outline this near to the object (by L) are candidates from the start; the survey adds others."""
@@ -132,15 +133,20 @@ def stability(equilibrium: Equilibrium) -> float:
     lin = equilibrium.linear
     if not len(lin.values):
         return 1.0
-    # places follow the motion: eliminate them where they are well determined (points); a patch's pressures hold it
-    hessian = np.eye(lin.gradients.shape[1]) - lin.hessian
+    # places follow the motion: eliminate them where the gap is curved (points); where it is flat the tangent itself
+    # is held; a patch is held by its pressures
+    hessian, held = np.eye(lin.gradients.shape[1]) - lin.hessian, [lin.gradients]
     column = 0
     for site in equilibrium.state.sites:
         if site.kind in ("tangent", "vertex"):
-            load = lin.load_slopes[:, column]
-            hessian += np.outer(load, lin.residual_gradients[column]) / lin.residual_slopes[column, column]
+            slide, curvature = lin.residual_gradients[column], float(lin.residual_slopes[column, column])
+            if abs(curvature) < _FLAT:
+                held.append(slide[None])
+            else:
+                hessian += np.outer(lin.load_slopes[:, column], slide) / curvature
         column += site.unknown_places
-    q = np.linalg.qr(lin.gradients.T, mode="complete")[0][:, len(lin.values) :]
+    constraints = np.concatenate(held)
+    q = np.linalg.qr(constraints.T, mode="complete")[0][:, len(constraints) :]
     reduced = q.T @ hessian @ q
     return float(np.linalg.eigvalsh((reduced + reduced.T) / 2)[0])
 
@@ -164,7 +170,8 @@ def find(setting: Setting, obstacle: Obstacle, start: State, order: int) -> Veri
         relaxed = problem.state(answer.x)
         for sites, multipliers in _active_sets(setting, problem, answer.x, np.atleast_1d(answer.multipliers)):
             try:
-                settled = settle_contacts(setting, obstacle, State(relaxed.beam, relaxed.z, sites, multipliers), order)
+                guess = State(relaxed.beam, relaxed.z, sites, multipliers)
+                settled = _loaded(setting, settle_contacts(setting, obstacle, guess, order), order)
                 verified = verify(setting, settled)
             except NoEquilibriumError as error:
                 reason = str(error)
@@ -176,6 +183,23 @@ def find(setting: Setting, obstacle: Obstacle, start: State, order: int) -> Veri
             raise NoEquilibriumError(reason)
         candidates += more
     raise NoEquilibriumError(reason)
+
+
+def _loaded(setting: Setting, settled: Equilibrium, order: int) -> Equilibrium:
+    """The equilibrium without the contacts that turn out to carry nothing."""
+    state, first, kept = settled.state, 0, []
+    largest = float(np.max(np.abs(state.multipliers), initial=0.0))
+    keep = np.ones(len(state.multipliers), dtype=bool)
+    for site in state.sites:
+        load = slice(first, first + site.multipliers)
+        first += site.multipliers
+        if np.max(np.abs(state.multipliers[load])) < _PULL * largest:
+            keep[load] = False
+        else:
+            kept.append(site)
+    if len(kept) == len(state.sites):
+        return settled
+    return settle(setting, settled.obstacle, State(state.beam, state.z, tuple(kept), state.multipliers[keep]), order)
 
 
 def _violated(

@@ -12,6 +12,7 @@ import numpy as np
 from gripper.active import Verified, find, settle_contacts, verify
 from gripper.answer import Answer, discretisation_error
 from gripper.certificate import survey
+from gripper.clearance import clearance
 from gripper.contact import Site
 from gripper.equilibrium import NoEquilibriumError, Setting, State, settle
 from gripper.events import Along, Change, Path, changes
@@ -88,8 +89,9 @@ class Tracker:
 
     def _within(self, target: float, bound: float) -> float:
         """The furthest parameter towards the target that the next step may reach."""
-        room = min(bound, self._safe_travel())
-        travel = self._travel(self.parameter, target)
+        room, travel = min(bound, self._safe_travel()), self._travel(self.parameter, target)
+        if travel > room and not self.sites and bound > room:
+            room = min(bound, room + max(clearance(self.setting, self.current), 0.0))
         if travel <= room:
             return target
         following = self.parameter + (target - self.parameter) * room / travel
@@ -101,7 +103,7 @@ class Tracker:
         if self.sites:
             return min(deep, 2 * _LONGEST)
         sink = _SHALLOW if len(self.setting.body.corners) else _LONGEST
-        return min(deep / 2, sink) + max(self.current.survey.min_gap, 0.0)
+        return min(deep / 2, sink)
 
     def _travel(self, start: float, stop: float) -> float:
         """Length of the object's relative path (by L), its turning included."""

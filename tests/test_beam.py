@@ -65,7 +65,8 @@ def test_the_energy_is_half_the_square_of_the_unknowns(beam: Beam, seed: int) ->
 @given(beam=beams, seed=seeds, stop=st.floats(0.01, 1))
 @settings(deadline=None)
 def test_the_shape_is_the_integral_of_the_strains(beam: Beam, seed: int, stop: float) -> None:
-    z = random_unknowns(beam, seed, 0.5)
+    modes = np.tile(np.arange(beam.modes), beam.segments * beam.fields)
+    z = random_unknowns(beam, seed) / 3.0**modes  # fields as smooth as those of a finger
     s, weights, segment = quadrature(beam, 0, stop)
     position, psi, theta, kappa = values(beam, z, np.array([stop]))
     assert psi[0] == pytest.approx(weights @ fields(beam, z, s, segment)[0], abs=1e-12)

@@ -343,6 +343,35 @@ def test_a_third_party_s_outline_of_arcs_and_edges_needs_only_its_pieces():
     assert lens.bounds(queries, np.ones(300))[1].tolist() == [0.0] * 300
 
 
+def test_a_single_piece_that_closes_on_itself_is_an_outline_with_one_corner():
+    class Drop(FeatureSurface):
+        def pieces(self):
+            return np.array([[[0.0, 0.0], [1.0, 1.0], [-1.0, -3.0], [0.0, 2.0]]])
+
+    drop = Drop()
+    queries = RNG.uniform(-0.5, 0.5, (300, 2))
+    assert drop.gap(queries) == pytest.approx(signed_distance(drop.outline(tolerance=1e-9)[0], queries), abs=1.1e-9)
+    assert drop.corners.tolist() == [[0.0, 0.0]]
+
+
+@pytest.mark.parametrize(
+    ("pieces", "rule"),
+    [
+        (np.zeros((3, 2)), "of shape"),
+        (np.full((3, 2, 2), np.nan), "finite pieces"),
+        (np.array([[[0.0, 0.0], [1.0, 0.0]], [[1.0, 0.0], [0.0, 1.0]]]), "each end where the next begins"),
+        (np.array([[[0.0, 0.0], [0.0, 0.0], [1.0, 1.0]], [[1.0, 1.0], [-1.0, 0.0], [0.0, -1.0]]]), "with a tangent"),
+    ],
+)
+def test_pieces_that_make_no_chain_are_refused_with_the_rule(pieces, rule):
+    class Broken(FeatureSurface):
+        def pieces(self):
+            return pieces
+
+    with pytest.raises(ValueError, match=rule):
+        Broken()
+
+
 def test_a_surface_that_is_not_quadratic_must_say_where_its_outline_is():
     class Squircle(ImplicitSurface):
         def g(self, x, y):

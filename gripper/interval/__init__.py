@@ -7,6 +7,7 @@ Cloud, Introduction to Interval Analysis, 2009, chapter 2). Ends are arrays: man
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -70,6 +71,14 @@ def _ends(lower: Any, upper: Any) -> Interval:
     return np.asarray(lower, dtype=float), np.asarray(upper, dtype=float)
 
 
+def _is_exact(number: Any, value: float) -> bool:
+    """Tell whether a double is the number itself."""
+    if number.is_zero:
+        return True
+    normal = sys.float_info.min <= abs(value) < math.inf
+    return normal and bool((number.is_Float and number._prec <= 53) or (number.is_Integer and abs(value) < 2**53))
+
+
 class _Walk:
     """One pass over expressions: the ranges known so far, and the boxes where a function leaves its domain."""
 
@@ -91,8 +100,7 @@ class _Walk:
     def _new(self, expression: Any) -> Interval:
         if expression.is_Number or expression.is_NumberSymbol:
             value = float(expression)
-            exact = (expression.is_Float and expression._prec <= 53) or (expression.is_Integer and abs(value) < 2**53)
-            return _ends(value, value) if exact else outward(*_ends(value, value))
+            return _ends(value, value) if _is_exact(expression, value) else outward(*_ends(value, value))
         if expression.is_Pow:
             return self._power(expression.base, expression.exp)
         if isinstance(expression, sympy.Piecewise):

@@ -8,8 +8,8 @@ from gripper.objects.base import Array, Box, Object
 from gripper.objects.closed import closed_points, closed_polygon
 from gripper.objects.feature import FeatureSurface
 from gripper.objects.implicit import ImplicitSurface
+from gripper.objects.level_set import typical_slope
 from gripper.objects.quadric import Quadric
-from gripper.objects.surface import typical_slope
 
 __all__ = [
     "Array",

@@ -42,10 +42,9 @@ class Chain:
 
     def __init__(self, coefficients: Array) -> None:
         self.coefficients = coefficients if _area(coefficients) >= 0 else _reversed(coefficients)
-        self.lengths = np.linalg.norm(self.coefficients[:, 1:].sum(axis=1), axis=1)
+        self.lengths = np.linalg.norm(self.coefficients[:, 1:], axis=2).sum(axis=1)  # about
         self.span = Span.of_degree(coefficients.shape[1] - 1)
-        starts = self.coefficients[:, 0]
-        self.size = float(np.ptp(starts, axis=0).max())
+        self.size = float(np.ptp(_some_points(coefficients), axis=0).max())
         self.curved = coefficients.shape[1] > 2
         self.piece, self.t0, self.t1, self.sagitta = self.subdivide(FINENESS * self.size)
         self.start = self.at(self.piece, self.t0)
@@ -199,11 +198,16 @@ class Chain:
         return np.where(smooth, neighbour, piece), np.clip(np.where(smooth, entered, t), 0.0, 1.0)
 
 
+def _some_points(coefficients: Array) -> Array:
+    """A few points of each piece (n, 2), in their order."""
+    degree = coefficients.shape[1] - 1
+    t = np.linspace(0, 1, 8, endpoint=False) if degree > 1 else np.zeros(1)
+    return np.einsum("tk,mkd->mtd", t[:, None] ** np.arange(degree + 1), coefficients).reshape(-1, 2)
+
+
 def _area(coefficients: Array) -> float:
     """Twice the signed area (m^2) of the polygon of some points of each piece."""
-    powers = np.arange(coefficients.shape[1])
-    t = np.linspace(0, 1, 8, endpoint=False)[: 8 if len(powers) > 2 else 1]
-    x, y = np.einsum("tk,mkd->dmt", t[:, None] ** powers, coefficients).reshape(2, -1)
+    x, y = _some_points(coefficients).T
     return float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
 
 

@@ -45,12 +45,12 @@ def check_pieces(name: str, coefficients: Array) -> None:
         raise ValueError(f"{name} must make pieces of shape (m, degree + 1, 2); got {coefficients.shape}")
     if not np.isfinite(coefficients).all():
         raise ValueError(f"{name} must make finite pieces, in m; got {coefficients.tolist()}")
-    starts = np.roll(coefficients[:, 0], -1, axis=0)
+    size = np.abs(coefficients[:, 1:]).sum(axis=1).max()
     slowest = np.linalg.norm([coefficients[:, 1], np.arange(coefficients.shape[1]) @ coefficients], axis=2).min()
-    if slowest <= NEAR * np.ptp(starts, axis=0).max():
+    if slowest <= NEAR * size:
         raise ValueError(f"{name} must make pieces with a tangent at both ends, in m; got |q'| = {slowest}")
-    off = np.abs(coefficients.sum(axis=1) - starts).max()
-    if off > NEAR * np.ptp(starts, axis=0).max():
+    off = np.abs(coefficients.sum(axis=1) - np.roll(coefficients[:, 0], -1, axis=0)).max()
+    if off > NEAR * size:
         raise ValueError(f"{name} must make pieces that each end where the next begins, in m; got {off} between them")
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from abc import abstractmethod
 from dataclasses import dataclass
 
@@ -11,7 +12,7 @@ import sympy
 from gripper.objects.base import Array, Box, Object, chord_tolerance
 from gripper.objects.compiled import PerInstance, X, Y
 from gripper.objects.contour import contour
-from gripper.objects.surface import Surface
+from gripper.objects.level_set import LevelSet
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,10 +32,10 @@ class ImplicitSurface(Object):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        surface = _surface(self)
+        level_set = _level_set(self)
         if self.half_size() is not None:
-            surface.check_extent()
-        elif surface.quadric is None:
+            level_set.check_extent()
+        elif level_set.quadric is None:
             raise TypeError(f"{type(self).__name__}.half_size must be written where g is not quadratic")
 
     @abstractmethod
@@ -53,46 +54,46 @@ class ImplicitSurface(Object):
         ValueError
             g or a derivative is not finite at a point, nor beside it.
         """
-        return _surface(self).evaluate(points, order)
+        return _level_set(self).evaluate(points, order)
 
     def bounds(self, centers: Array, radii: Array) -> tuple[Array, Array] | None:
         """See `Object.bounds`; exact for a quadratic g, by interval arithmetic for others."""
-        return _surface(self).bounds(centers, radii)
+        return _level_set(self).bounds(centers, radii)
 
     @property
     def box(self) -> Box:
         """See `Object.box`."""
-        surface = _surface(self)
-        return surface.quadric.box if surface.quadric is not None else surface.traced_box
+        level_set = _level_set(self)
+        return level_set.quadric.box if level_set.quadric is not None else level_set.traced_box
 
     @property
     def inner_radius(self) -> float:
         """See `Object.inner_radius`."""
-        surface = _surface(self)
-        return surface.quadric.inner_radius if surface.quadric is not None else surface.inside.least_radius
+        level_set = _level_set(self)
+        return level_set.quadric.inner_radius if level_set.quadric is not None else level_set.inside.least_radius
 
     @property
     def inner_point(self) -> Array:
         """See `Object.inner_point`."""
-        surface = _surface(self)
-        return surface.quadric.inner_point if surface.quadric is not None else surface.inside.point
+        level_set = _level_set(self)
+        return level_set.quadric.inner_point if level_set.quadric is not None else level_set.inside.point
 
     def outline(self, box: Box | None = None, tolerance: float | None = None) -> list[Array]:
         """See `Object.outline`."""
-        surface = _surface(self)
-        bounded = surface.quadric is None or surface.quadric.bounded
+        level_set = _level_set(self)
+        bounded = level_set.quadric is None or level_set.quadric.bounded
         xmin, ymin, xmax, ymax = within = self.box if bounded else box or (0.0, 0.0, 0.0, 0.0)
-        if not max(xmax - xmin, ymax - ymin) > 0:
-            raise ValueError(f"box must be given, in m, for an outline without bounds; got {box!r}")
+        if not (0 < xmax - xmin < math.inf and 0 < ymax - ymin < math.inf):
+            raise ValueError(f"box must be given, finite and in m, for an outline without bounds; got {box!r}")
         tolerance = chord_tolerance(tolerance, max(xmax - xmin, ymax - ymin))
-        if surface.quadric is not None and bounded:
-            return [surface.quadric.ellipse(tolerance)]
-        return contour(surface.evaluate, surface.square if bounded else within, tolerance)
+        if level_set.quadric is not None and bounded:
+            return [level_set.quadric.ellipse(tolerance)]
+        return contour(level_set.evaluate, level_set.square if bounded else within, tolerance)
 
 
-def _build(owner: ImplicitSurface) -> Surface:
+def _build(owner: ImplicitSurface) -> LevelSet:
     names = " and ".join(field.name for field in dataclasses.fields(owner))
-    return Surface(owner.g(X, Y), owner.half_size(), names)
+    return LevelSet(owner.g(X, Y), owner.half_size(), names)
 
 
-_surface: PerInstance[ImplicitSurface, Surface] = PerInstance(_build)
+_level_set: PerInstance[ImplicitSurface, LevelSet] = PerInstance(_build)

@@ -3,7 +3,7 @@
 Corrected where it could not work as printed: the section's offset turns by psi (eq 5), the jaw by the ordinary rotation
 matrix (eq 4), the shear term of eq 12 has its coefficient and its square. Left as it is: the angles Psi and Gamma
 at N nodes are the unknowns and go unscaled to SLSQP, whose first, unit Hessian is therefore far from the energy's;
-contact is asked for at M = N nodes alone, so that the force is off by 1-4 % and does not converge regularly. Only
+contact is asked for at M = N nodes alone, so that the force is off by up to 4 % and does not converge regularly. Only
 what SLSQP sees is made dimensionless (energy by EI(0) / L, gaps by L): its ``ftol`` is absolute, and in J it would
 stop wherever the energy happens to be small.
 """

@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 
 from gripper.objects.base import Array, Box
 from gripper.objects.compiled import Derivatives, X, Y, second_derivatives
-from gripper.objects.contour import Inside, contour, inside
-from gripper.objects.enclosure import enclosed_bounds
+from gripper.objects.contour import CELLS, Inside, contour, inside
+from gripper.objects.enclosure import ROUNDING, enclosed_bounds
 from gripper.objects.quadric import Quadric
 
 HAIR = np.array([1e-9, 0.618e-9])  # m: where a formula is 0/0, as at a cone's tip, it is read this far beside
 
 
-class Surface:
+class LevelSet:
     """One g(x, y), differentiated by sympy, and what is found from it.
 
     Parameters
@@ -102,7 +102,7 @@ class Surface:
     def check_extent(self) -> None:
         """Refuse an outline that is not within the square, or that is not there."""
         h = self.half_size or 0.0
-        side = np.linspace(-h, h, 513)
+        side = np.linspace(-h, h, CELLS + 1)  # the grid that the outline is traced on
         edge = np.vstack(
             [np.column_stack(pair) for end in (-h, h) for pair in ((side, 0 * side + end), (0 * side + end, side))]
         )
@@ -114,7 +114,7 @@ class Surface:
         x, y = np.meshgrid(side, side)
         g = self.evaluate(np.column_stack([x.ravel(), y.ravel()]), 1)[0]
         if g.min() >= 0:
-            raise ValueError(f"{self.names} must make a g that is negative inside; got at least {g.min()} everywhere")
+            raise ValueError(f"{self.names} must make a g that is negative inside; got {g.min()} or more, on a grid")
 
     @cached_property
     def continuous(self) -> bool:
@@ -131,7 +131,7 @@ class Surface:
         if self.quadric is not None:
             eigenvalues = np.linalg.eigvalsh(self.quadric.hessian)
             slopes = np.linalg.norm(self.evaluate(centers, 1)[1], axis=1)
-            return slopes + np.abs(eigenvalues).max() * radii, np.full(len(centers), eigenvalues[0])
+            return (slopes + np.abs(eigenvalues).max() * radii) * (1 + ROUNDING), np.full(len(centers), eigenvalues[0])
         if not self.continuous:
             return None
         return enclosed_bounds(self.g, self.gradient, self.hessian, centers, radii)
@@ -154,10 +154,10 @@ def typical_slope(g: sympy.Expr, half_size: float, name: str = "g") -> float:
     ValueError
         g is not a real and finite function of x and y.
     """
-    surface = Surface(g, half_size, name)
-    if not surface.traced:
+    level_set = LevelSet(g, half_size, name)
+    if not level_set.traced:
         return 1.0
-    slopes = np.linalg.norm(surface.evaluate(np.vstack(surface.traced), 1)[1], axis=1)
+    slopes = np.linalg.norm(level_set.evaluate(np.vstack(level_set.traced), 1)[1], axis=1)
     return float(np.median(slopes)) or 1.0
 
 

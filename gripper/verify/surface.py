@@ -1,0 +1,83 @@
+"""Places of the finger's outline that may touch: points along every edge, and its corners."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gripper.objects import Array
+from gripper.verify.elements import lagrange
+from gripper.verify.mesh import Index, Mesh
+
+FACE_STIFFNESS = 30.0  # pressure over depth, by E / element size: the depth stays near 1e-5 of the length
+CORNER_STIFFNESS = 100.0  # force over depth, by E b
+SPACING = 200.0  # points of the outline a thickness: a contact is a patch of several
+
+
+@dataclass(frozen=True, eq=False)
+class Places:
+    """Points of the outline, fixed in the finger's matter.
+
+    Parameters
+    ----------
+    edge
+        On which edge, (k,).
+    nodes, shares
+        Three nodes each and their shape functions, (k, 3).
+    stiffness
+        Force over depth, in N/m, (k,).
+    along
+        What a report calls the place (k,), in m.
+    """
+
+    edge: Index
+    nodes: Index
+    shares: Array
+    stiffness: Array
+    along: Array
+
+    def at(self, positions: Array) -> Array:
+        """Where the points are (k, 2), of positions of all nodes (n, 2)."""
+        return np.einsum("ka,kai->ki", self.shares, positions[self.nodes])
+
+    def pick(self, mask: Array) -> Places:
+        """Some of them."""
+        return Places(*(getattr(self, name)[mask] for name in self.__dataclass_fields__))
+
+
+def places(mesh: Mesh, youngs_modulus: float, thickness: float) -> Places:
+    """Points along every edge (trapezoidal rule, ends included), then the convex corners.
+
+    Parameters
+    ----------
+    mesh
+        The finger.
+    youngs_modulus
+        E, in Pa.
+    thickness
+        That sets the points' spacing, in m.
+    """
+    ends = mesh.nodes[mesh.edges[:, [0, 2]]]
+    lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+    counts = np.maximum(4, np.ceil(lengths * SPACING / thickness)).astype(int)
+    edge = np.repeat(np.arange(len(counts)), counts + 1)
+    step = np.concatenate([np.arange(n + 1) / n for n in counts])
+    weight = lengths[edge] / counts[edge] * np.where((step == 0) | (step == 1), 0.5, 1.0)
+    pressure = FACE_STIFFNESS * youngs_modulus / mesh.size
+    shares = lagrange(2 * step - 1)[0]
+    corner_edge, corner_shares = _corners(mesh)
+    edge, shares = np.concatenate([edge, corner_edge]), np.concatenate([shares, corner_shares])
+    nodes = mesh.edges[edge]
+    b = mesh.width(np.clip(mesh.nodes[nodes[:, 1], 0], 0, None))
+    stiffness = np.full(len(edge), CORNER_STIFFNESS * youngs_modulus)
+    stiffness[: len(weight)] = pressure * weight
+    along = np.einsum("ka,ka->k", shares, mesh.along[edge])
+    return Places(edge, nodes, shares, stiffness * b, along)
+
+
+def _corners(mesh: Mesh) -> tuple[Index, Array]:
+    """The edge that starts at each corner, and the shape functions there."""
+    starts = mesh.edges[:, 0]
+    edge = np.array([int(np.flatnonzero(starts == node)[0]) for node in mesh.corners], dtype=np.intp)
+    return edge, np.tile([1.0, 0.0, 0.0], (len(edge), 1))
