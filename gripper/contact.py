@@ -8,7 +8,8 @@ A contact's place is an unknown of its own and moves between nodes. Its kinds:
 ``vertex``   a corner of the object on a face or an edge: signed distance 0 at the foot of the normal;
 ``patch``    with shear, a smooth object is touched over [a, b], because gamma drops to zero behind a force: the
              pressure is a polynomial, the gap's moments against it vanish, and so does the gap at both ends;
-``tail``     a patch that has run to the tip, where the tip's corner carries the rest: its far end is s = L.
+``tail``     a patch whose far end is known: the tip, where the tip's corner carries the rest, or, where the finger lies
+             flush on a flat, a place so far that the pressure has decayed.
 
 Where gamma jumps at a concentrated force, "the" tangent of the face is the mean of both sides: this is what makes
 the energy stationary in the place of the force (configurational balance).
@@ -16,21 +17,23 @@ the energy stationary in the place of the force (configurational balance).
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
 from gripper.arrays import Array, Complex, Index
-from gripper.beam import Beam
+from gripper.beam import Beam, legendre
 from gripper.obstacle import Obstacle
 from gripper.outline import UPPER, Axis, Outline, Stations, dot, second_derivative
 
 Kind = Literal["tangent", "corner", "node", "vertex", "patch", "tail"]
-PRESSURES = 2  # pressure modes of a patch: constant and linear
-_GAUSS_X, _GAUSS_W = np.polynomial.legendre.leggauss(6)
-_PRESSURE = np.stack([np.ones(6), _GAUSS_X])[:PRESSURES]  # (modes, 6)
-_MEAN = _PRESSURE * _GAUSS_W / 2
+NARROW, WIDE = 2, 8
+"""Fewest and most pressure modes of a patch: short, or long, against the length over which shear decays."""
+_CUTS = {6: (0.35,), 8: (0.12, 0.35)}
+# parts of a patch with many modes where its segments end: strains of order p carry pressures of order p - 1, and the
+# pressure decays from the near end
 _AT_BREAK = 0.02  # a force this near to a break is the break's own: its segments were cut there
 
 
@@ -42,11 +45,12 @@ class Site:
     piece: int
     place: tuple[float, ...]
     vertex: int = -1
+    modes: int = 1  # of its pressure
 
     @property
     def multipliers(self) -> int:
         """How many multipliers the contact has."""
-        return PRESSURES if self.kind in ("patch", "tail") else 1
+        return self.modes
 
     @property
     def unknown_places(self) -> int:
@@ -65,12 +69,15 @@ class Site:
 
     def moved(self, places: Array) -> Site:
         """The same contact at other values of its unknown places."""
-        place = (*map(float, places), 1.0) if self.kind == "tail" else tuple(map(float, places))
+        place = (*map(float, places), self.place[1]) if self.kind == "tail" else tuple(map(float, places))
         return replace(self, place=place) if self.unknown_places else self
 
     def breaks(self) -> tuple[float, ...]:
         """Where the strains have kinks because of it."""
-        return self.place if self.on_face else ()
+        if not self.on_face or self.modes not in _CUTS:
+            return self.place if self.on_face else ()
+        a, b = self.place
+        return (a, *(a + cut * (b - a) for cut in _CUTS[self.modes]), b)
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,12 +154,19 @@ def _nothing(size: int) -> Linearisation:
     )
 
 
+@functools.cache
+def pressure_rule(modes: int) -> tuple[Array, Array]:
+    """Gauss points (q,) of a patch on [-1, 1], and the pressure modes' mean values over it (modes, q)."""
+    x, weights = np.polynomial.legendre.leggauss(modes + 4)
+    return x, legendre(x, modes).T * weights / 2
+
+
 def _places(site: Site) -> Array:
     """Where the outline is evaluated for a contact."""
     if site.kind not in ("patch", "tail"):
         return np.array(site.place or (0.0,))
     a, b = site.place
-    gauss = (a + b) / 2 + (b - a) / 2 * _GAUSS_X
+    gauss = (a + b) / 2 + (b - a) / 2 * pressure_rule(site.modes)[0]
     return np.append(gauss, site.place[: site.unknown_places])
 
 
@@ -162,6 +176,10 @@ def _stations(
     beam = axis.beam
     left, right = [], []
     for site, places in zip(sites, queries, strict=True):
+        if site.modes in _CUTS:
+            inner = beam.segment_of(places - 1e-12).tolist()
+            left, right = left + inner, right + inner
+            continue
         before, after = _segments(beam, site, kinks)
         left += [before] * len(places)
         right += [after] * len(places)
@@ -247,16 +265,17 @@ class _System:
 
     def add_patch(self, site: Site, span: slice, row: int, column: int, load: Array) -> None:
         """Pressure over [a, b]: the gap's moments vanish, and the gap at the free ends."""
-        gauss = slice(span.start, span.start + _GAUSS_X.size)
-        rows = slice(row, row + PRESSURES)
-        forces = load @ _MEAN
-        self.values[rows], self.gradients[rows] = _MEAN @ self.gap[gauss], _MEAN @ self.pressing[gauss]
-        self.value_rates[rows] = _MEAN @ self.gap_rate[gauss]
+        x, mean = pressure_rule(site.modes)
+        gauss = slice(span.start, span.start + x.size)
+        rows = slice(row, row + site.modes)
+        forces = load @ mean
+        self.values[rows], self.gradients[rows] = mean @ self.gap[gauss], mean @ self.pressing[gauss]
+        self.value_rates[rows] = mean @ self.gap_rate[gauss]
         self._load(gauss, forces)
-        self.force_multipliers[rows] = _MEAN @ self.normal[gauss]
-        for end, shift in zip(range(site.unknown_places), ((1 - _GAUSS_X) / 2, (1 + _GAUSS_X) / 2), strict=False):
+        self.force_multipliers[rows] = mean @ self.normal[gauss]
+        for end, shift in zip(range(site.unknown_places), ((1 - x) / 2, (1 + x) / 2), strict=False):
             i, at = gauss.stop + end, column + end
-            self.value_slopes[rows, at] = _MEAN @ (shift * self.slope[gauss])
+            self.value_slopes[rows, at] = mean @ (shift * self.slope[gauss])
             self.load_slopes[:, at] = (forces * shift) @ self.sliding[gauss]
             self.force_places[at] = (forces * shift) @ self.bent[gauss]
             self.residuals[at], self.residual_gradients[at] = self.gap[i], self.pressing[i]

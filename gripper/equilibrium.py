@@ -24,6 +24,7 @@ from gripper.sections import Sections
 
 _ITERATIONS = 20
 _CONVERGED = 1e-6  # last step, relative: the next one, of second order, would be round-off
+_ROUND_OFF = 1e-9  # relative: what must then be left of the forces
 _NARROWEST = 1e-8  # of L: breaks nearer than this are one
 _FITTED = 1e-7  # of L, or of a patch: segments end at contacts to within this
 _NEAR = 0.1  # of L: breaks that move less are the same breaks
@@ -178,7 +179,7 @@ def settle(setting: Setting, obstacle: Obstacle, state: State, order: int) -> Eq
         if iteration == 0 or _stale(state):
             state = state.on(setting.beam(state.sites, order))
         lin = linearise(state.beam, state.z, setting.outline, obstacle, state.sites, state.multipliers)
-        if last < _CONVERGED:
+        if last < _CONVERGED and (last < _ROUND_OFF or _unbalanced(state, lin) < _ROUND_OFF):
             return Equilibrium(state, obstacle, lin, iteration, way)
         dz, dmultipliers, dplaces = kkt_step(state, lin)
         factor = _shortening(state, dplaces)
@@ -190,6 +191,12 @@ def settle(setting: Setting, obstacle: Obstacle, state: State, order: int) -> Eq
         if not np.isfinite(last) or np.linalg.norm(state.z) > _WILD:
             raise NoEquilibriumError("Newton's iteration diverged")
     raise NoEquilibriumError(f"Newton's iteration did not converge in {_ITERATIONS} steps")
+
+
+def _unbalanced(state: State, lin: Linearisation) -> float:
+    """What is left of the stationarity condition, relative."""
+    left = float(np.linalg.norm(state.z - lin.gradients.T @ state.multipliers))
+    return left / (float(np.linalg.norm(state.z)) + _NO_STRAIN)
 
 
 def _unloaded(setting: Setting, obstacle: Obstacle, order: int) -> Equilibrium:

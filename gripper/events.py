@@ -195,7 +195,7 @@ def _pointed(setting: Setting, equilibrium: Equilibrium, i: int, order: int) -> 
         return equilibrium
     state = equilibrium.state
     first = sum(s.multipliers for s in state.sites[:i])
-    sites = (*state.sites[:i], replace(site, kind="tangent", place=(site.middle,)), *state.sites[i + 1 :])
+    sites = (*state.sites[:i], replace(site, kind="tangent", place=(site.middle,), modes=1), *state.sites[i + 1 :])
     multipliers = np.delete(state.multipliers, range(first + 1, first + site.multipliers))
     return settle(setting, equilibrium.obstacle, State(state.beam, state.z, sites, multipliers), order)
 
