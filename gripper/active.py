@@ -8,7 +8,7 @@ import numpy as np
 from scipy.optimize import minimize
 
 from gripper.arrays import Array
-from gripper.assemble import Candidate, Problem, near, vertex_heights
+from gripper.assemble import Candidate, Problem, least_gap, near, vertex_heights
 from gripper.certificate import DEPTH, Survey, survey
 from gripper.beam import legendre
 from gripper.contact import NARROW, WIDE, Site
@@ -30,6 +30,7 @@ _RIPPLE = 3e-2  # of the largest pressure: what a polynomial may leave where the
 _ACROSS = np.linspace(-1.0, 1.0, 17)
 _TOGETHER = 0.02  # of L: tangents nearer than this are one contact
 _TIP = 0.1  # of L: a contact this near to the tip may be the corner's
+_GRAZING = 1e-12  # of L: a gap's round-off
 _FLAT = 1e-4  # curvature of the gap, times L: below it a tangent's place is held by the next order
 _PULL = 1e-9  # relative: multipliers this negative are round-off
 REACH = 0.05
@@ -43,6 +44,14 @@ class Verified:
     equilibrium: Equilibrium
     survey: Survey
     stability: float = 1.0
+
+
+def untouched(setting: Setting, free: Verified) -> bool:
+    """Whether a finger without contacts is not even grazed."""
+    equilibrium, found = free.equilibrium, free.survey
+    if found.least > 0 or not found.clear:
+        return found.clear
+    return least_gap(setting, equilibrium.obstacle, equilibrium.state, found) >= -_GRAZING
 
 
 def fit_patches(setting: Setting, equilibrium: Equilibrium) -> tuple[Site, ...]:
@@ -268,7 +277,7 @@ def _violated(
     found = survey(setting, obstacle, state)
     corners = _sunken(setting, obstacle, state, found, known)
     out: list[Candidate] = []
-    for piece, u in found.deepest:
+    for piece, u in (*found.deepest, *found.sunken):
         if piece in corners:
             out.append(corners.pop(piece))
             continue
@@ -285,7 +294,7 @@ def _sunken(
     setting: Setting, obstacle: Obstacle, state: State, found: Survey, known: tuple[Candidate, ...]
 ) -> dict[int, Candidate]:
     """For each piece the object's corner that has sunk deepest through it and is no candidate yet."""
-    if not len(obstacle.corners) or not found.deepest:
+    if not len(obstacle.corners) or not (found.deepest or found.sunken):
         return {}
     out = {}
     for piece, heights in vertex_heights(setting, obstacle, Axis.of(state.beam, state.z), found).items():

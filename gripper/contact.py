@@ -122,12 +122,12 @@ def linearise(
     """
     if not sites:
         return _nothing(beam.size)
-    queries = [_places(site) for site in sites]
+    queries = [_places(site, beam.order) for site in sites]
     u = np.concatenate(queries)
     piece = np.concatenate([np.full(len(q), site.piece) for site, q in zip(sites, queries, strict=True)])
     axis = Axis.of(beam, z)
     stations = _stations(axis, outline, piece, u, sites, queries, kinks)
-    system = _System(beam.size, sites, stations, obstacle)
+    system = _System(beam, sites, stations, obstacle)
     first = row = column = 0
     for site, places in zip(sites, queries, strict=True):
         span = slice(first, first + len(places))
@@ -155,18 +155,21 @@ def _nothing(size: int) -> Linearisation:
 
 
 @functools.cache
-def pressure_rule(modes: int) -> tuple[Array, Array]:
-    """Gauss points (q,) of a patch on [-1, 1], and the pressure modes' mean values over it (modes, q)."""
-    x, weights = np.polynomial.legendre.leggauss(modes + 4)
+def pressure_rule(modes: int, order: int) -> tuple[Array, Array]:
+    """Gauss points (q,) of a patch on [-1, 1], and the pressure modes' mean values over it (modes, q).
+
+    More points than the strains have modes: these would resolve the single points else.
+    """
+    x, weights = np.polynomial.legendre.leggauss(max(modes + 4, order + 3))
     return x, legendre(x, modes).T * weights / 2
 
 
-def _places(site: Site) -> Array:
+def _places(site: Site, order: int) -> Array:
     """Where the outline is evaluated for a contact."""
     if site.kind not in ("patch", "tail"):
         return np.array(site.place or (0.0,))
     a, b = site.place
-    gauss = (a + b) / 2 + (b - a) / 2 * pressure_rule(site.modes)[0]
+    gauss = (a + b) / 2 + (b - a) / 2 * pressure_rule(site.modes, order)[0]
     return np.append(gauss, site.place[: site.unknown_places])
 
 
@@ -206,7 +209,8 @@ def _segments(beam: Beam, site: Site, kinks: bool) -> tuple[int, int]:
 class _System:
     """The arrays of a linearisation while its contacts are written into them."""
 
-    def __init__(self, size: int, sites: tuple[Site, ...], stations: Stations, obstacle: Obstacle) -> None:
+    def __init__(self, beam: Beam, sites: tuple[Site, ...], stations: Stations, obstacle: Obstacle) -> None:
+        size, self.order = beam.size, beam.order
         m, k, q = sum(s.multipliers for s in sites), sum(s.unknown_places for s in sites), len(stations.points)
         self.sites, self.stations, self.obstacle = sites, stations, obstacle
         self.gap, self.normal, (self.a, self.b) = obstacle.curvature(stations.points)
@@ -265,7 +269,7 @@ class _System:
 
     def add_patch(self, site: Site, span: slice, row: int, column: int, load: Array) -> None:
         """Pressure over [a, b]: the gap's moments vanish, and the gap at the free ends."""
-        x, mean = pressure_rule(site.modes)
+        x, mean = pressure_rule(site.modes, self.order)
         gauss = slice(span.start, span.start + x.size)
         rows = slice(row, row + site.modes)
         forces = load @ mean
@@ -306,13 +310,13 @@ class _System:
         self.residuals[column], self.residual_gradients[column] = along, pass_by + height * turn_z
         self.residual_slopes[column, column] = stretch + height * turn_u
         self.residual_rates[column] = -slipping
-        self.load_slopes[:, column] = -force * side * turn_u * pass_by
+        self.load_slopes[:, column] = -force * side * turn_u * (pass_by + height * turn_z)
         self.load_rates += force * side * slipping * turn_z
         self.pull[i] = force * n
         self.force_multipliers[row], self.force_places[column] = n, -force * side * turn_u * t
         self.force_gradient -= force * side * t * turn_z
         mixed = np.outer(pass_by, turn_z)
-        self.extra -= force * side * (mixed + mixed.T)
+        self.extra -= force * side * (mixed + mixed.T + height * np.outer(turn_z, turn_z))
 
     def linearisation(self, hessian: Array, queries: list[Array]) -> Linearisation:
         """The finished arrays, with the contact forces point by point."""

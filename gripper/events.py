@@ -9,7 +9,7 @@ from typing import Literal, Protocol
 import numpy as np
 from scipy.optimize import brentq
 
-from gripper.assemble import Problem, near
+from gripper.assemble import least_gap
 from gripper.certificate import survey
 from gripper.contact import Site
 from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, settle
@@ -85,10 +85,7 @@ def first_touch(setting: Setting, path: Path, old: Along, new: Along) -> float:
 
     def least(parameter: float) -> float:
         obstacle = setting.obstacle(path.frame(parameter))
-        found = survey(setting, obstacle, state)
-        candidates = near(setting, obstacle, state, found, max(found.min_gap, 0.0) + 0.05)
-        gaps = Problem(setting, obstacle, state, candidates).gaps(np.zeros(state.beam.size))
-        return float(np.min(gaps, initial=1.0))
+        return least_gap(setting, obstacle, state, survey(setting, obstacle, state))
 
     return _bracketed(least, old.parameter, new.parameter)
 

@@ -69,7 +69,7 @@ class Contact:
         slope = float(np.linalg.norm(self.body.evaluate(nearest, 1)[1]))
         return float(gaps.min()) / (slope or 1.0)
 
-    def touch(self, positions: Array, frame: Frame, history: History, frozen: Index | None = None) -> Touch:
+    def touch(self, positions: Array, frame: Frame, history: History) -> Touch:
         """Contact forces.
 
         Parameters
@@ -80,16 +80,11 @@ class Contact:
             Of the object.
         history
             The last pose.
-        frozen
-            Numbers of the places and corners to take as touching, whatever their gap (the tangent predictor).
         """
-        first = len(self.places.edge)
-        at = self._touching(positions, frame) if frozen is None else frozen[frozen < first]
-        pushed = self._pushed(at, positions, frame, history)
+        pushed = self._pushed(self._touching(positions, frame), positions, frame, history)
         if not self.corners.count:
             return pushed
-        kept = None if frozen is None else frozen[frozen >= first] - first
-        return pushed.joined(self.corners.touch(positions, frame, history, self.friction, first, kept))
+        return pushed.joined(self.corners.touch(positions, frame, history, self.friction, len(self.places.edge)))
 
     def _touching(self, positions: Array, frame: Frame) -> Index:
         """Numbers of the places with g < 0."""

@@ -75,10 +75,8 @@ class Corners:
         chosen = order[first]
         return corner[chosen], edge[chosen], xi[chosen], distance[chosen]
 
-    def touch(
-        self, positions: Array, frame: Frame, history: History, mu: Array, first: int, frozen: Index | None
-    ) -> Touch:
-        """Forces of the corners inside the finger, or of the frozen ones.
+    def touch(self, positions: Array, frame: Frame, history: History, mu: Array, first: int) -> Touch:
+        """Forces of the corners inside the finger.
 
         Parameters
         ----------
@@ -88,12 +86,10 @@ class Corners:
             Coefficient on each edge (e,).
         first
             Number of the first corner in ``history.friction``.
-        frozen
-            Corners to take as touching.
         """
         points = frame.place(self.points)
         corner, edge, xi, distance = self._nearest(positions, points)
-        chosen = distance < 0 if frozen is None else np.isin(corner, frozen)
+        chosen = distance < 0
         corner, edge, xi = corner[chosen], edge[chosen], xi[chosen]
         nodes = self.edges[edge]
         back = frame.place(history.frame.local(history.positions[nodes].reshape(-1, 2))).reshape(-1, 3, 2)

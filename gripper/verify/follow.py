@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -72,9 +73,10 @@ class Follower:
         self.snapped = False
         self.iterations, self.depth = 0, 0.0
         self._bound = np.inf
-        self._frozen: Index | None = None
+        self._touched = False
         unknowns = self.system.body.start
         self._unknowns, positions = unknowns, self.system.body.positions(unknowns)
+        self._rate = np.zeros_like(unknowns)
         back = self._retreat(path(start), positions, approach)
         unit = (approach[0] / np.hypot(*approach), approach[1] / np.hypot(*approach))
         self.history = History(positions, path(start).shifted(unit, -back), np.zeros(self.system.contact.count))
@@ -83,6 +85,7 @@ class Follower:
             self._at = -back
             self.advance(0.0)
         self._path, self._at, self.snapped = path, start, False
+        self._rate = np.zeros_like(unknowns)
 
     def _retreat(self, frame: Frame, positions: Array, approach: tuple[float, float]) -> float:
         """How far back along its approach the object leaves the straight finger free, in m."""
@@ -133,33 +136,40 @@ class Follower:
         L = self.setting.length
         room = min(ROUGH * L if self.system.contact.rough else LONGEST * L, self.setting.inner_radius / 2, self._bound)
         distance = self._travel(target)
-        if distance <= room:
-            return target, distance
-        following = self._at + (target - self._at) * room / distance
-        return (target, distance) if following == self._at else (following, room)
+        steps = math.ceil(distance / room)
+        following = self._at + (target - self._at) / max(steps, 1)
+        return (target, distance) if steps <= 1 or following == self._at else (following, distance / steps)
 
     def _travel(self, target: float) -> float:
         marks = [self._path(self._at + (target - self._at) * i / 8) for i in range(9)]
         return sum(travel(a, b, self.setting.reach) for a, b in zip(marks, marks[1:], strict=False))
 
     def _step(self, following: float) -> Solution:
+        """Go on along the last step's direction, and correct."""
         frame = self._path(following)
-        solution = self.system.solve(self._unknowns, frame, self.history, self._frozen)
-        moved = float(np.max(np.abs(solution.positions - self.history.positions)))
         distance = travel(self.history.frame, frame, self.setting.reach)
-        if self._frozen is not None and moved > 2 * solution.predicted + distance:
-            raise NoSolutionError("the step departs from its prediction")
+        start = self._unknowns + self._rate * distance
+        solution = self.system.solve(start, frame, self.history)
+        if self._rate.any():
+            expected = self.system.body.positions(start)
+            moved = float(np.max(np.abs(expected - self.history.positions)))
+            if np.max(np.abs(solution.positions - expected)) > moved + distance / 2:
+                raise NoSolutionError("the step departs from its prediction")
         if solution.touch.at.size and not self.system.stable(solution):
             raise NoSolutionError("the equilibrium is not stable")
+        if distance and self._touched:
+            self._rate = (solution.unknowns - self._unknowns) / distance
         self._accept(following, frame, solution)
         return solution
 
     def _accept(self, parameter: float, frame: Frame, solution: Solution) -> None:
         friction = np.zeros(self.system.contact.count)
         friction[solution.touch.at] = solution.touch.friction
+        self._touched = solution.touch.at.size > 0
+        if not self._touched:
+            self._rate = np.zeros_like(self._rate)
         self.history = History(solution.positions, frame, friction)
         self._unknowns, self._at = solution.unknowns, parameter
-        self._frozen = solution.touch.at if solution.touch.at.size else None
         self.iterations += solution.iterations
 
     def _snap(self, following: float, error: ArithmeticError) -> Solution:
@@ -184,7 +194,7 @@ class Follower:
                 if not self.system.stable(solution):
                     break
                 self._accept(following, frame, solution)
-                self.snapped = True
+                self._rate, self.snapped = np.zeros_like(unknowns), True
                 return solution
         raise NoSolutionError(f"no equilibrium to follow, and none found by descent: {error}")
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -14,7 +13,6 @@ from gripper.verify.body import Body, positive, solve
 from gripper.verify.contact import Contact
 from gripper.verify.elements import Elements
 from gripper.verify.material import InvertedError
-from gripper.verify.mesh import Index
 from gripper.verify.motion import Frame
 from gripper.verify.touch import History, Touch
 
@@ -43,15 +41,12 @@ class Solution:
         Contact forces.
     iterations
         How many it took.
-    predicted
-        How far the tangent predictor moves a node at most, in m; 0 without one.
     """
 
     unknowns: Array
     positions: Array
     touch: Touch
     iterations: int
-    predicted: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,12 +71,12 @@ class System:
     anchor: Array | None = None
 
     def residual(
-        self, unknowns: Array, frame: Frame, history: History, frozen: Index | None = None
+        self, unknowns: Array, frame: Frame, history: History
     ) -> tuple[Array, Touch]:
         """Forces on the unknowns that are out of balance, and the contact forces."""
         positions = self.body.positions(unknowns)
         _, forces = self.elements.forces(positions)
-        touch = self.contact.touch(positions, frame, history, frozen)
+        touch = self.contact.touch(positions, frame, history)
         residual = self.body.reduced(forces - touch.on_nodes(len(positions)), unknowns)
         if self.drag is not None and self.anchor is not None:
             residual = residual + self.drag * (unknowns - self.anchor)
@@ -99,7 +94,7 @@ class System:
         """Whether the energy has a minimum there; not decided with friction, where there is no energy."""
         return self.contact.rough or positive(self.matrix(solution.unknowns, solution.touch))
 
-    def solve(self, start: Array, frame: Frame, history: History, frozen: Index | None = None) -> Solution:
+    def solve(self, start: Array, frame: Frame, history: History) -> Solution:
         """Find the equilibrium next to a start.
 
         Contact is soft at first and stiffened in stages: its patch is then wide enough for Newton's steps.
@@ -112,8 +107,6 @@ class System:
             Of the object.
         history
             The last pose.
-        frozen
-            Places that touched in the last pose: the first iteration keeps them, which predicts along the tangent.
 
         Raises
         ------
@@ -122,34 +115,26 @@ class System:
         InvertedError
             Where every step inverts an element.
         """
-        unknowns, iterations, predicted = start, 0, 0.0
+        unknowns, iterations = start, 0
         for stiffness, accuracy in STAGES:
             softened = replace(self, contact=self.contact.softened(stiffness))
-            found = softened._newton(unknowns, frame, history, frozen, accuracy)
-            unknowns, frozen = found.unknowns, None
-            iterations, predicted = iterations + found.iterations, max(predicted, found.predicted)
+            found = softened._newton(unknowns, frame, history, accuracy)
+            unknowns, iterations = found.unknowns, iterations + found.iterations
             if not found.touch.at.size:
                 break
-        return replace(found, iterations=iterations, predicted=predicted)
+        return replace(found, iterations=iterations)
 
-    def _newton(
-        self, unknowns: Array, frame: Frame, history: History, frozen: Index | None, accuracy: float
-    ) -> Solution:
-        residual, touch = self.residual(unknowns, frame, history, frozen)
-        predicted = 0.0
+    def _newton(self, unknowns: Array, frame: Frame, history: History, accuracy: float) -> Solution:
+        residual, touch = self.residual(unknowns, frame, history)
         for iteration in range(MOST_ITERATIONS + 1):
-            if frozen is None and np.linalg.norm(residual) <= accuracy * touch.size + self.floor:
-                return Solution(unknowns, self.body.positions(unknowns), touch, iteration, predicted)
+            if np.linalg.norm(residual) <= accuracy * touch.size + self.floor:
+                return Solution(unknowns, self.body.positions(unknowns), touch, iteration)
             step = solve(self.matrix(unknowns, touch), -residual)
-            slope = float(residual @ step)
-            if frozen is not None:
-                moved = self.body.positions(unknowns + step) - self.body.positions(unknowns)
-                slope, predicted, frozen = math.inf, float(np.max(np.abs(moved))), None
 
             def trial(factor: float, at: Array = unknowns, step: Array = step) -> tuple[Array, Touch]:
                 return self.residual(at + factor * step, frame, history)
 
-            factor, (residual, touch) = _search(trial, step, slope)
+            factor, (residual, touch) = _search(trial, step, float(residual @ step))
             unknowns = unknowns + factor * step
         raise NoSolutionError(f"no convergence in {MOST_ITERATIONS} iterations")
 
