@@ -277,13 +277,14 @@ class Problem:
         return np.where(inner, a - fa * (b - a) / np.where(inner, fb - fa, 1.0), a)
 
 
-def least_gap(setting: Setting, obstacle: Obstacle, state: State, found: Survey) -> float:
-    """The least gap of a deflected finger, by L: negative where the object would penetrate it, however little."""
+def least_gap(setting: Setting, obstacle: Obstacle, state: State, found: Survey) -> tuple[float, Site | None]:
+    """The least gap of a deflected finger, by L, and where: negative where the object penetrates, however little."""
     candidates = near(setting, obstacle, state, found, max(found.min_gap, 0.0) + _GRAZED)
     if not candidates:
-        return found.min_gap
+        return found.min_gap, None
     problem = Problem(setting, obstacle, state, candidates)
-    return float(np.min(problem.gaps(problem.x0))) / setting.sections.length
+    gaps = problem.gaps(problem.x0) / setting.sections.length
+    return float(np.min(gaps)), problem.sites(problem.x0)[int(np.argmin(gaps))]
 
 
 def near(setting: Setting, obstacle: Obstacle, state: State, found: Survey, reach: float) -> tuple[Candidate, ...]:
@@ -314,9 +315,7 @@ def _stretches(setting: Setting, state: State, found: Survey, reach: float) -> l
     return list(out.values())
 
 
-def _vertices(
-    setting: Setting, obstacle: Obstacle, axis: Axis, found: Survey, reach: float
-) -> tuple[Candidate, ...]:
+def _vertices(setting: Setting, obstacle: Obstacle, axis: Axis, found: Survey, reach: float) -> tuple[Candidate, ...]:
     """The object's corners that come nearest to a piece: lower than both their neighbours on the object."""
     out: list[Candidate] = []
     for piece, heights in vertex_heights(setting, obstacle, axis, found).items():

@@ -95,8 +95,11 @@ class Survey:
         return self.penetration_bound <= DEPTH and not self.engulfed and not self.sunken
 
 
-def survey(setting: Setting, obstacle: Obstacle, state: State) -> Survey:
-    """Look for penetration over both faces, the end face and every edge of the jaw."""
+def survey(setting: Setting, obstacle: Obstacle, state: State, *, brief: bool = False) -> Survey:
+    """Look for penetration over both faces, the end face and every edge of the jaw.
+
+    A brief one stops at the first sampling where that finds penetration.
+    """
     axis = Axis.of(state.beam, state.z)
     arc = _ArcBounds(setting, state)
     first = pieces = _whole(setting, state)
@@ -121,7 +124,7 @@ def survey(setting: Setting, obstacle: Obstacle, state: State) -> Survey:
             u = np.where(depths[1] < depths[0], pieces.u1, pieces.u0)
             inside += list(zip(pieces.piece[deep], u[deep], depth[deep], strict=True))
         open_ = ~deep & (lower < -DEPTH)
-        last = round_ == _ROUNDS - 1 or total > _MOST_PIECES
+        last = round_ == _ROUNDS - 1 or total > _MOST_PIECES or (brief and bool(deep.any()))
         done = np.ones_like(open_) if last else ~open_
         worst = min(worst, float(np.min(lower[done], initial=np.inf)))
         if done.all():

@@ -65,7 +65,7 @@ def approach(fixed: Setting, final: Frame, direction: tuple[float, float], order
     back = 0.0
     while True:
         free = settle(fixed, fixed.obstacle(path.frame(-back)), straight, order)
-        found = survey(fixed, free.obstacle, free.state)
+        found = survey(fixed, free.obstacle, free.state, brief=True)
         if untouched(fixed, Verified(free, found)):
             break
         if back > _FURTHEST:

@@ -7,11 +7,6 @@ from typing import Literal
 
 import pytest
 import sympy
-from gripper_plugins.fingers.tapered import Tapered
-from gripper_plugins.fingers.uniform import Uniform
-from gripper_plugins.jaws.triangle import Triangle
-from gripper_plugins.objects.circle import Circle
-from gripper_plugins.objects.ellipse import Ellipse
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -23,6 +18,11 @@ from gripper.scenefile import SceneFileError, dumps, loads, read, resolved
 from gripper.scenefile.place import Place
 from gripper.scenefile.tables import build
 from gripper.scenefile.toml import written
+from gripper_plugins.fingers.tapered import Tapered
+from gripper_plugins.fingers.uniform import Uniform
+from gripper_plugins.jaws.triangle import Triangle
+from gripper_plugins.objects.circle import Circle
+from gripper_plugins.objects.ellipse import Ellipse
 
 GALLERY = Path(__file__).parent.parent / "gallery"
 

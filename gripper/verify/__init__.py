@@ -11,4 +11,4 @@ from gripper.verify.compare import verify
 from gripper.verify.material import LawName
 from gripper.verify.report import Verification, VerifiedPose
 
-__all__ = ["LawName", "VerifiedPose", "Verification", "verify"]
+__all__ = ["LawName", "Verification", "VerifiedPose", "verify"]
