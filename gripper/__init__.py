@@ -13,7 +13,7 @@ and Assembly Applications". SI units and radians throughout.
 from gripper.assemble import Problem, assemble
 from gripper.fields import Expression, Finite, Point, Positive, Profile, Surface
 from gripper.fingers import Finger, Jaw, Material
-from gripper.objects import ImplicitSurface, Object
+from gripper.objects import FeatureSurface, ImplicitSurface, Object
 from gripper.pose import Placed, Pose
 from gripper.result import Contact, Event, PoseResult, Result
 from gripper.scene import Motion, Scene
@@ -24,6 +24,7 @@ __all__ = [
     "Contact",
     "Event",
     "Expression",
+    "FeatureSurface",
     "Finger",
     "Finite",
     "ImplicitSurface",

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.optimize import minimize
 
 from gripper.arrays import Array
-from gripper.assemble import Candidate, Problem, least_gap, near, vertex_heights
+from gripper.assemble import Candidate, Problem, least_gaps, near, vertex_heights
 from gripper.beam import legendre
 from gripper.certificate import DEPTH, Survey, survey
 from gripper.contact import NARROW, WIDE, Site, linearise
@@ -57,7 +57,8 @@ def untouched(setting: Setting, free: Verified) -> bool:
     equilibrium, found = free.equilibrium, free.survey
     if found.least > 0 or not found.clear:
         return found.clear
-    return least_gap(setting, equilibrium.obstacle, equilibrium.state, found)[0] >= -_GRAZING
+    gaps = least_gaps(setting, equilibrium.obstacle, equilibrium.state, found)
+    return min((gap for gap, _ in gaps), default=found.min_gap) >= -_GRAZING
 
 
 def fit_patches(setting: Setting, equilibrium: Equilibrium) -> tuple[Site, ...]:

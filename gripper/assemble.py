@@ -277,14 +277,14 @@ class Problem:
         return np.where(inner, a - fa * (b - a) / np.where(inner, fb - fa, 1.0), a)
 
 
-def least_gap(setting: Setting, obstacle: Obstacle, state: State, found: Survey) -> tuple[float, Site | None]:
-    """The least gap of a deflected finger, by L, and where: negative where the object penetrates, however little."""
+def least_gaps(setting: Setting, obstacle: Obstacle, state: State, found: Survey) -> list[tuple[float, Site]]:
+    """The gaps of the places that come nearest to the object, by L: negative where it penetrates, however little."""
     candidates = near(setting, obstacle, state, found, max(found.min_gap, 0.0) + _GRAZED)
     if not candidates:
-        return found.min_gap, None
+        return []
     problem = Problem(setting, obstacle, state, candidates)
     gaps = problem.gaps(problem.x0) / setting.sections.length
-    return float(np.min(gaps)), problem.sites(problem.x0)[int(np.argmin(gaps))]
+    return list(zip(gaps.tolist(), problem.sites(problem.x0), strict=True))
 
 
 def near(setting: Setting, obstacle: Obstacle, state: State, found: Survey, reach: float) -> tuple[Candidate, ...]:

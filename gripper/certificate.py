@@ -272,4 +272,8 @@ def _sunken_corners(
     height = dot(place - corners[close], inward)
     half = setting.sections.thickness(np.where(piece <= UPPER, u, 1.0)) / 2
     inside = (height < -DEPTH) & (height > -half) & (u > 0) & (u < ends)
+    for i in np.flatnonzero(inside & (piece > UPPER)):  # a thin jaw's far side is near, too
+        part = [p for p, other in enumerate(setting.outline.pieces) if other.on == setting.outline.pieces[piece[i]].on]
+        ring = points[np.isin(pieces.piece, part if len(part) > 1 else (LOWER, UPPER))]
+        inside[i] = bool(np.sum(crossings(complex(corners[close[i]]), ring)) % 2)
     return tuple(zip(piece[inside].tolist(), u[inside].tolist(), strict=True))

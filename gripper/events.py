@@ -9,7 +9,7 @@ from typing import Literal, Protocol
 import numpy as np
 from scipy.optimize import brentq
 
-from gripper.assemble import least_gap
+from gripper.assemble import least_gaps
 from gripper.certificate import survey
 from gripper.contact import Site
 from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, settle
@@ -21,6 +21,7 @@ _SHORT = 0.999  # of the way to a root that must not be passed
 _STEPS = 30
 _SHORT = 0.999  # of the way to an end that must not be passed
 _ROUND_OFF = 1e-13
+_GRAZED = 1e-9  # of L: contacts that only graze are none
 _NEAR = 0.02  # of L: as far as a first contact may roll on to another piece within a step
 _SHARP = 1e-10  # of the step: where an event is located to
 
@@ -90,16 +91,18 @@ def changes(setting: Setting, path: Path, old: Along, new: Along, order: int) ->
 
 
 def _first_touch(setting: Setting, path: Path, old: Along, new: Along) -> float:
-    """Where the least gap of the straight finger vanishes, at a contact that the new pose still has."""
-    state = old.equilibrium.state
+    """Where the straight finger is touched first, by a contact that the new pose still has."""
+    state, sites = old.equilibrium.state, new.equilibrium.state.sites
 
-    def least(parameter: float) -> tuple[float, Site | None]:
+    def least(parameter: float, *, kept: bool) -> float:
         obstacle = setting.obstacle(path.frame(parameter))
-        return least_gap(setting, obstacle, state, survey(setting, obstacle, state, brief=True))
+        found = least_gaps(setting, obstacle, state, survey(setting, obstacle, state, brief=True))
+        return min((g for g, at in found if any(_same(setting, at, site) for site in sites) == kept), default=np.inf)
 
-    where = _bracketed(lambda parameter: least(parameter)[0], old.parameter, new.parameter)
-    touched = least(where)[1]
-    if touched is not None and not any(_same(setting, touched, site) for site in new.equilibrium.state.sites):
+    if np.isinf(least(new.parameter, kept=True)):
+        raise NoEquilibriumError("the first contact has moved on within the step")
+    where = _bracketed(lambda parameter: min(least(parameter, kept=True), 1.0), old.parameter, new.parameter)
+    if least(where, kept=False) < -_GRAZED:
         raise NoEquilibriumError("the first contact has moved on within the step")
     return where
 
