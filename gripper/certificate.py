@@ -105,7 +105,8 @@ def survey(setting: Setting, obstacle: Obstacle, state: State, *, brief: bool = 
     first = pieces = _whole(setting, state)
     proved, engulfed, worst, nearest = True, False, np.inf, np.inf
     inside: list[tuple[int, float, float]] = []
-    gaps, sunken = np.empty((2, 0)), ()
+    gaps = np.empty((2, 0))
+    sunken: tuple[tuple[int, float], ...] = ()
     total = 0
     for round_ in range(_ROUNDS):
         ends = _Ends.of(setting, obstacle, axis, pieces)

@@ -66,7 +66,8 @@ def approach(fixed: Setting, final: Frame, direction: tuple[float, float], order
     while True:
         free = settle(fixed, fixed.obstacle(path.frame(-back)), straight, order)
         found = survey(fixed, free.obstacle, free.state, brief=True)
-        if untouched(fixed, Verified(free, found)):
+        start = Verified(free, found)
+        if untouched(fixed, start):
             break
         if back > _FURTHEST:
             raise NoEquilibriumError(
@@ -74,7 +75,7 @@ def approach(fixed: Setting, final: Frame, direction: tuple[float, float], order
                 "give another direction in [approach], or a motion that starts from a free pose"
             )
         back += max(pace, -found.min_gap)
-    tracker = Tracker(fixed, path, -back, order, events=False)
+    tracker = Tracker(fixed, path, -back, order, events=False, free=start)
     return tracker.advance(0.0), tracker.order
 
 

@@ -43,6 +43,8 @@ class Tracker:
         Order of the strain fields to start with.
     events
         Whether to locate what changes on the way.
+    free
+        The verified state at the start, where it is known.
 
     Raises
     ------
@@ -50,20 +52,27 @@ class Tracker:
         Where the straight finger is not free at the start.
     """
 
-    def __init__(self, setting: Setting, path: Path, parameter: float, order: int, *, events: bool = True) -> None:
+    def __init__(
+        self,
+        setting: Setting,
+        path: Path,
+        parameter: float,
+        order: int,
+        *,
+        events: bool = True,
+        free: Verified | None = None,
+    ) -> None:
         self.setting, self.path, self.parameter, self.order, self.events = setting, path, parameter, order, events
         self.changes: list[Change] = []
         self.iterations = 0
-        self.current = self._free(parameter)
-        if not untouched(setting, self.current):
+        self.current = free or self._free(parameter)
+        if free is None and not untouched(setting, self.current):
             raise NoEquilibriumError("the straight finger is not free of the object at the start")
 
     @classmethod
     def resume(cls, setting: Setting, path: Path, parameter: float, order: int, current: Verified) -> Tracker:
         """A tracker that goes on from an equilibrium reached along another path."""
-        tracker = cls.__new__(cls)
-        tracker.setting, tracker.path, tracker.parameter, tracker.order = setting, path, parameter, order
-        tracker.changes, tracker.iterations, tracker.events = [], 0, True
+        tracker = cls(setting, path, parameter, order, free=current)
         state = current.equilibrium.state
         tracker.current = tracker._at(parameter, state) if state.sites else current
         return tracker

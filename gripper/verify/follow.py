@@ -190,7 +190,7 @@ class Follower:
                     break
                 continue
             self._accept(following, frame, solution)
-            unknowns, drag = solution.unknowns, drag / (3 if solution.iterations < 8 else 1)
+            unknowns, drag = solution.unknowns, drag / (3 if solution.iterations < 12 else 1.5)
             if drag < 1e-12:
                 solution = self.system.solve(unknowns, frame, self.history)
                 if not self.system.stable(solution):
