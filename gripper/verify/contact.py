@@ -14,8 +14,8 @@ import numpy as np
 
 from gripper.objects import Array, Object
 from gripper.verify.corners import Corners
-from gripper.verify.mesh import Index
 from gripper.verify.motion import Frame
+from gripper.verify.outline import Index
 from gripper.verify.surface import Places
 from gripper.verify.touch import History, Mask, Touch
 

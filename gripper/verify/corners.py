@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from gripper.objects import Array
 from gripper.verify.elements import lagrange
-from gripper.verify.mesh import Index, Mesh
+from gripper.verify.mesh import Mesh
 from gripper.verify.motion import Frame
+from gripper.verify.outline import Index
 from gripper.verify.surface import CORNER_STIFFNESS
 from gripper.verify.touch import History, Touch
 
@@ -46,8 +47,9 @@ class Corners:
     @classmethod
     def of(cls, mesh: Mesh, points: Array, youngs_modulus: float, thickness: float) -> Corners:
         """Corners (c, 2) against a mesh's outline; the finger is nowhere thinner than ``thickness``."""
-        width = mesh.width(mesh.nodes[mesh.edges[:, 1], 0])
-        return cls(points, mesh.edges, mesh.along, CORNER_STIFFNESS * youngs_modulus * width, thickness / 2)
+        edges, along = mesh.outline.edges, mesh.outline.along
+        stiffness = CORNER_STIFFNESS * youngs_modulus * mesh.width(mesh.nodes[edges[:, 1], 0])
+        return cls(points, edges, along, stiffness, thickness / 2)
 
     @property
     def count(self) -> int:

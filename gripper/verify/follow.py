@@ -116,8 +116,7 @@ class Follower:
             No equilibrium could be followed that far; the follower stays at the last one.
         """
         self.iterations, self.snapped = 0, False
-        solution = self._step(self._at) if self._at == target else None
-        while self._at != target:
+        while True:
             following, distance = self._within(target)
             try:
                 solution = self._step(following)
@@ -127,7 +126,8 @@ class Follower:
                 if self._bound < SHORTEST * self.setting.length:
                     solution = self._snap(following, error)
                     self._bound = 1e-3 * self.setting.length
-        assert solution is not None  # the loop ran, or the pose was solved again
+            if self._at == target:
+                break
         self.depth = max(0.0, -self.system.contact.gap(solution.positions, self.history.frame))
         if self.depth > DEEPEST * self.setting.thickness:
             raise NoSolutionError(f"the object is {self.depth:.2g} m inside the finger: finer elements may resolve it")

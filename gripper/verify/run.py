@@ -18,14 +18,16 @@ from gripper.verify.corners import Corners
 from gripper.verify.elements import Elements
 from gripper.verify.follow import Follower, Setting
 from gripper.verify.material import Law, LawName
-from gripper.verify.mesh import PARTS, JawKind, Mesh, Part, build, profile
+from gripper.verify.mesh import JawKind, Mesh, build, profile
 from gripper.verify.motion import relative
 from gripper.verify.newton import Solution, System
+from gripper.verify.outline import PARTS, Part
 from gripper.verify.surface import places
 from gripper.verify.touch import Touch
 
 Friction = float | Mapping[str, float]
 _ROUND_OFF = 2e-15
+_NO_CONTACT = 1e-2  # of all normal forces: the end of an edge beside a corner that carries the force
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,8 +109,8 @@ def assembled(scene: Scene, model: Model) -> tuple[Setting, Mesh]:
     w = profile(finger.w(S))(stations)
     thickness, E, b = float(w.min()), material.youngs_modulus, float(mesh.width(stations[:1])[0])
     corners = Corners.of(mesh, np.asarray(body.corners, dtype=float), E, thickness)
-    friction = _coefficients(model.friction)[mesh.part]
-    contact = Contact(places(mesh, E, thickness), corners, mesh.edges, body, friction)
+    friction = _coefficients(model.friction)[mesh.outline.part]
+    contact = Contact(places(mesh, E, thickness), corners, mesh.outline.edges, body, friction)
     floor = E * b * (1e-9 * w[0] ** 3 / 12 / finger.length**2 + _ROUND_OFF * finger.length**2 / mesh.size)
     system = System(Body(mesh, elements), elements, contact, float(floor))
     reach = float(min(np.hypot(*np.abs(np.reshape(body.box, (2, 2))).max(axis=0)), 2 * finger.length))
@@ -180,14 +182,14 @@ def _pose(follower: Follower, mesh: Mesh, solution: Solution) -> Found:
 
 def _contacts(mesh: Mesh, touch: Touch) -> tuple[Place, ...]:
     """Separate contacts: touching points of one part with no free element between them."""
-    part = mesh.part[touch.edge]
+    part = mesh.outline.part[touch.edge]
     order = np.lexsort((touch.along, part))
     new = np.diff(part[order], prepend=-1) != 0
     new |= np.abs(np.diff(touch.along[order], prepend=np.inf)) > mesh.size
-    groups = np.split(order, np.flatnonzero(new)[1:]) if order.size else []
     contacts = []
-    for group in groups:
+    for group in np.split(order, np.flatnonzero(new)[1:]) if order.size else []:
         normal = touch.normal[group]
-        s = float(np.average(touch.along[group], weights=np.abs(normal) + 1e-300))
-        contacts.append(Place(on=PARTS[part[group[0]]], s=s, normal_force=float(normal.sum())))
+        if normal.sum() > _NO_CONTACT * touch.normal.sum():
+            s = float(np.average(touch.along[group], weights=normal))
+            contacts.append(Place(on=PARTS[part[group[0]]], s=s, normal_force=float(normal.sum())))
     return tuple(contacts)

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from gripper.objects import Array
 from gripper.verify.body import Triplets
-from gripper.verify.mesh import Index
 from gripper.verify.motion import Frame
+from gripper.verify.outline import Index
 
 Mask = NDArray[np.bool_]
 
