@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -82,7 +83,7 @@ def verify(
     runs = {name: run(scene, model, way, wanted, tick) for name, model in models.items()}
     places = [value for value, asked in zip(way, wanted, strict=True) if asked]
     entries = [
-        _pose(scene, value, pose, {name: found[i] for name, found in runs.items()}, law)
+        _pose(scene, value, pose, {name: found[i] for name, found in runs.items()})
         for i, (value, pose) in enumerate(zip(places, poses, strict=True))
     ]
     return Verification(scene=scene, model=models["fine"], second=models["coarse"].elements, poses=tuple(entries))
@@ -133,7 +134,7 @@ def _passed(values: Sequence[float], asked: list[float]) -> Iterator[tuple[float
     start = values[0]
     at_start = bool(asked) and asked[0] == start
     yield (asked.pop(0) if at_start else start), at_start
-    for before, after in zip(values, values[1:], strict=False):
+    for before, after in pairwise(values):
         low, high = min(before, after), max(before, after)
         while asked and low <= asked[0] <= high and asked[0] != before:
             yield asked.pop(0), True
@@ -163,10 +164,12 @@ def _picked(result: Result, values: Sequence[float]) -> list[PoseResult]:
     return picked
 
 
-def _pose(scene: Scene, value: float, pose: PoseResult, runs: dict[str, Found], law: str) -> VerifiedPose:
+def _pose(scene: Scene, value: float, pose: PoseResult, runs: dict[str, Found]) -> VerifiedPose:
     fine, coarse = runs["fine"], runs["coarse"]
     beam = _beam(scene, value, pose)
-    others = {name: _signed(coarse.force, found.force) for name, found in runs.items() if name in LAWS}
+    others: dict[str, float | None] = {
+        name: _larger(coarse.force, found.force) for name, found in runs.items() if name in LAWS
+    }
     return VerifiedPose(
         parameter=value if scene.motion else None,
         elements=fine,
@@ -198,7 +201,7 @@ def _apart(force: Vector | None, other: Vector | None) -> float | None:
     return math.dist(force, other) / math.hypot(*force)
 
 
-def _signed(force: Vector | None, other: Vector | None) -> float | None:
+def _larger(force: Vector | None, other: Vector | None) -> float | None:
     """How much larger the other force is, relative."""
     if force is None or other is None or math.hypot(*force) == 0:
         return None

@@ -1,8 +1,8 @@
 """Contact of the finger's real surface with a rigid object: a stiff penalty on g, Coulomb friction by return mapping.
 
-A point of the outline at depth -g > 0 is pushed by N = -k g |grad g| along n = grad g / |grad g|, and dragged by T along
-the object's tangent t: trial T = T_old - k (slip since the last pose), cut back to mu N. The stiffness is such that the
-depth is negligible; it is reported. Where the object has corners, these are also kept out of the finger
+A point of the outline at depth -g > 0 is pushed by N = -k g |grad g| along n = grad g / |grad g|, and dragged by T
+along the object's tangent t: trial T = T_old - k (slip since the last pose), cut back to mu N. The stiffness is such
+that the depth is negligible; it is reported. Where the object has corners, these are also kept out of the finger
 (:mod:`gripper.verify.corners`): they would slip between the points.
 """
 

@@ -105,11 +105,11 @@ class Corners:
         return Touch(first + corner, edge, along, places, -n, *state, nodes, forces, push.stiffness_at(x))
 
 
-def _rows(weights: NDArray[np.inexact], x: NDArray[np.inexact]) -> NDArray[np.inexact]:
+def _rows(weights: Array, x: Array) -> Array:
     return np.einsum("ka,kai->ki", weights, x)
 
 
-def _dot(a: NDArray[np.inexact], b: NDArray[np.inexact]) -> NDArray[np.inexact]:
+def _dot(a: Array, b: Array) -> Array:
     return np.einsum("ki,ki->k", a, b)
 
 
@@ -121,7 +121,7 @@ def _closer(x: Array, point: Array, xi: Array) -> Array:
 
 
 def _stand(x: Array, point: Array, xi: Array) -> tuple[Array, Array, Array]:
-    """The foot (m, 2), the outward normal (m, 2), and the distance along it (m,)."""
+    """The foot (m, 2), the outward normal (m, 2), and the distance along it (m,); also of complex numbers."""
     shares, slopes = lagrange(xi)
     foot, tangent = _rows(shares, x), _rows(slopes, x)
     normal = np.stack([tangent[:, 1], -tangent[:, 0]], axis=1) / np.sqrt(_dot(tangent, tangent))[:, None]

@@ -92,37 +92,43 @@ def build(finger: Finger, elements: tuple[int, int], jaw: JawKind = "rigid") -> 
     ValueError
         A profile that is not positive, or a jaw that "elastic" cannot mesh.
     """
-    b, L = profile(finger.b(S)), finger.length
-    s, lower, upper = _faces(finger, elements[0])
+    b, L, (n_along, n_across) = profile(finger.b(S)), finger.length, elements
+    s, lower, upper = _faces(finger, n_along)
     end, below = len(s) - 1, True
     polygon = jaw_polygon(finger, float(upper[-1] - lower[-1]))
     if polygon is not None and jaw == "elastic":
         below = bool(np.mean(polygon[:, 1]) < 0)
-        s, lower, upper = _with_jaw(polygon, s, lower, upper, L / elements[0], below)
-    m = 2 * elements[1] + 1
+        s, lower, upper = _with_jaw(polygon, s, lower, upper, L / n_along, below)
+    m = 2 * n_across + 1
     y = lower[:, None] + (upper - lower)[:, None] * np.linspace(0, 1, m)
     nodes = np.stack([np.broadcast_to(s[:, None], y.shape), y], axis=-1).reshape(-1, 2)
     grid = np.arange(len(nodes)).reshape(len(s), m)
     outline = Outline(grid, nodes, end, below)
     rigid = np.empty(0, dtype=np.intp)
     if polygon is not None and jaw == "rigid":
-        nodes = np.concatenate([nodes, outline.add_rigid(polygon + [L, 0], len(nodes))])
+        nodes = np.concatenate([nodes, outline.add_rigid(polygon + np.array([L, 0.0]), len(nodes))])
         rigid = np.concatenate([grid[-1], np.arange(grid.size, len(nodes))])
     elif polygon is not None:
-        pointed = L + polygon[convex(polygon) & (np.abs(polygon[:, 1]) > np.abs(upper[end]) * (1 + _SAME)), 0]
-        columns = np.flatnonzero(np.isclose(s[:, None], pointed).any(axis=1))
-        outline.corners += [int(node) for node in grid[columns, 0 if below else -1]]
+        outline.corners += _points_of_jaw(polygon, s[end:] - L, grid[end:, 0 if below else -1])
+    patches = np.lib.stride_tricks.sliding_window_view(grid, (3, 3))[::2, ::2].reshape(-1, 9)
     return Mesh(
         nodes=nodes,
-        elements=np.lib.stride_tricks.sliding_window_view(grid, (3, 3))[::2, ::2].reshape(-1, 9),
+        elements=patches,
         across=m,
-        tip=int(grid[end, elements[1]]),
+        tip=int(grid[end, n_across]),
         jawed=polygon is not None,
         rigid=rigid,
         outline=outline,
-        size=L / elements[0],
+        size=L / n_along,
         width=lambda at: b(np.clip(at, 0, L)),
     )
+
+
+def _points_of_jaw(polygon: Array, x: Array, line: Index) -> list[int]:
+    """Nodes of a face, from the jaw's heel on (c,), that stand at convex corners of the jaw but its first and last."""
+    inner = (polygon[:, 0] > 0) & (polygon[:, 0] < polygon[:, 0].max())
+    pointed = polygon[convex(polygon) & inner, 0]
+    return [int(node) for node in line[np.isclose(x[:, None], pointed, rtol=_SAME).any(axis=1)]]
 
 
 def _faces(finger: Finger, n_along: int) -> tuple[Array, Array, Array]:
@@ -131,7 +137,7 @@ def _faces(finger: Finger, n_along: int) -> tuple[Array, Array, Array]:
     s = stations((0.0, *sorted(k for k in finger.kinks() if 0 < k < L), L), n_along)
     for name, values in (("thickness", w(s)), ("width", profile(finger.b(S))(s))):
         if not np.all(np.isfinite(values) & (values > 0)):
-            raise ValueError(f"{name} must be positive along the finger, in m; got {values.min()!r}")
+            raise ValueError(f"{name} must be positive along the finger, in m; got {float(values.min())!r}")
     return s, -w(s) / 2, w(s) / 2
 
 

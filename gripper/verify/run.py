@@ -51,6 +51,12 @@ class Model:
     jaw: JawKind = "rigid"
     friction: Friction = 0.0
 
+    @property
+    def rough(self) -> bool:
+        """Whether there is any friction."""
+        values = self.friction.values() if isinstance(self.friction, Mapping) else [self.friction]
+        return any(value > 0 for value in values)
+
 
 @dataclass(frozen=True, kw_only=True)
 class Place:
