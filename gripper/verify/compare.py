@@ -11,11 +11,12 @@ import numpy as np
 
 from gripper.result import PoseResult, Result
 from gripper.scene import Motion, Scene
+from gripper.verify.friction import Friction, check
 from gripper.verify.material import LAWS, LawName
 from gripper.verify.mesh import JawKind
 from gripper.verify.motion import clamp
 from gripper.verify.report import Beam, Verification, VerifiedPose
-from gripper.verify.run import Found, Friction, Model, run
+from gripper.verify.run import Found, Model, run
 
 Progress = Callable[[int, int], None]
 Vector = tuple[float, float]
@@ -28,7 +29,7 @@ def verify(
     elements: tuple[int, int] = (108, 12),
     law: LawName = "svk",
     jaw: JawKind = "rigid",
-    friction: Friction = 0.0,
+    friction: Friction | None = None,
     laws: bool = False,
     result: Result | None = None,
     progress: Progress | None = None,
@@ -52,7 +53,8 @@ def verify(
     jaw
         "rigid" (moves with the end face), or "elastic": of the finger's material, with the finger going on above it.
     friction
-        Coulomb's coefficient: a number, or one for "finger" and one for "jaw". Gripper's result is compared as it is.
+        Coulomb's coefficient in place of the scene's: a number, or one for "finger" and one for "jaw". Always with slip,
+        stick and memory along the motion, from its first touch on; without a motion, in the sense that the scene says.
     laws
         Whether to say what the other laws alone would change (two more runs on the second mesh).
     result
@@ -71,7 +73,7 @@ def verify(
     LookupError
         An unknown law or part.
     """
-    _check(elements, jaw)
+    _check(elements, jaw, friction)
     way, wanted = _way(scene.motion, parameters)
     models = _models(Model(elements=elements, law=law, jaw=jaw, friction=friction), laws)
     tick = _ticker(progress, len(models) * sum(wanted))
@@ -89,11 +91,13 @@ def verify(
     return Verification(scene=scene, model=models["fine"], second=models["coarse"].elements, poses=tuple(entries))
 
 
-def _check(elements: tuple[int, int], jaw: str) -> None:
+def _check(elements: tuple[int, int], jaw: str, friction: Friction | None) -> None:
     if min(elements) < 2 or any(int(n) != n for n in elements):
         raise ValueError(f"elements must be two whole numbers, at least 2; got {elements!r}")
     if jaw not in ("rigid", "elastic"):
         raise LookupError(f"unknown jaw {jaw!r}; known: rigid, elastic")
+    if friction is not None:
+        check(friction)
 
 
 def _models(model: Model, laws: bool) -> dict[str, Model]:

@@ -13,7 +13,7 @@ from gripper.verify.mesh import Mesh
 from gripper.verify.motion import Frame
 from gripper.verify.outline import Index
 from gripper.verify.surface import CORNER_STIFFNESS
-from gripper.verify.touch import History, Touch
+from gripper.verify.touch import History, Touch, prescribed
 
 _CURVED = np.array([1.0, -2.0, 1.0])  # second derivatives of the shape functions
 _TINY = 1e-30  # of a complex step: the derivative is exact to round-off
@@ -77,15 +77,17 @@ class Corners:
         chosen = order[first]
         return corner[chosen], edge[chosen], xi[chosen], distance[chosen]
 
-    def touch(self, positions: Array, frame: Frame, history: History, mu: Array, first: int) -> Touch:
+    def touch(
+        self, positions: Array, frame: Frame, history: History, friction: tuple[Array, Array], first: int
+    ) -> Touch:
         """Forces of the corners inside the finger.
 
         Parameters
         ----------
         positions, frame, history
             As `gripper.verify.contact.Contact.touch`.
-        mu
-            Coefficient on each edge (e,).
+        friction
+            Coefficient and prescribed sign of T on each edge (e,).
         first
             Number of the first corner in ``history.friction``.
         """
@@ -95,7 +97,8 @@ class Corners:
         corner, edge, xi = corner[chosen], edge[chosen], xi[chosen]
         nodes = self.edges[edge]
         back = frame.place(history.frame.local(history.positions[nodes].reshape(-1, 2))).reshape(-1, 3, 2)
-        push = _Push(points[corner], back, self.stiffness[edge], mu[edge], history.friction[first + corner], xi)
+        rules = self.stiffness[edge], friction[0][edge], friction[1][edge], history.friction[first + corner]
+        push = _Push(points[corner], back, *rules, xi)
         x = positions[nodes]
         forces, normal, friction, sticking = push(x)
         places, n, depth = _stand(x, points[corner], xi)
@@ -136,8 +139,8 @@ class _Push:
     ----------
     point, back
         The corners (m, 2), and where the nodes stood, carried along with the object (m, 3, 2).
-    k, mu, old
-        Stiffness, coefficient and last friction (m,).
+    k, mu, sense, old
+        Stiffness, coefficient, prescribed sign and last friction (m,).
     xi
         The feet's coordinates (m,).
     """
@@ -146,6 +149,7 @@ class _Push:
     back: Array
     k: Array
     mu: Array
+    sense: Array
     old: Array
     xi: Array
 
@@ -157,8 +161,9 @@ class _Push:
         t = np.stack([n[:, 1], -n[:, 0]], axis=1)  # along the object, as n points into it
         trial = self.old - self.k * _dot(_rows(shares, x - self.back), t)
         limit = self.mu * np.where(normal.real > 0, normal, 0)
-        sticking = np.abs(trial.real) < limit.real
-        friction = np.where(sticking, trial, np.sign(trial.real) * limit)
+        sign = prescribed(self.sense, trial.real)
+        sticking = np.abs(sign) < limit.real
+        friction = np.where(sticking, trial, np.sign(sign) * limit)
         force = -normal[:, None] * n + friction[:, None] * t
         return shares[:, :, None] * force[:, None], normal, friction, sticking
 

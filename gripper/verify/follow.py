@@ -22,7 +22,8 @@ DEEPEST = 1e-3  # of the thickness: a deeper contact is no answer
 THINNEST = 1e-3  # of L: steps no shorter than this for a thin object's sake
 JUMP = 1e-2  # of L: a larger motion of a node is a snap
 _FURTHEST = 20.0  # of L: beyond this no retreat is tried
-_DESCENTS = 400
+_DESCENTS = 200
+_LOOSE = 1e-7  # of E b: drag that an equilibrium does not need any more
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,29 +179,24 @@ class Follower:
 
     def _snap(self, following: float, error: ArithmeticError) -> Solution:
         """Let the finger go, heavily damped, from an equilibrium that has ended to the next one."""
-        frame, body = self._path(following), self.system.body
+        frame, body, L = self._path(following), self.system.body, self.setting.length
         scale = np.full(body.size, self.setting.stiffness)
-        scale[body.size - body.moves_jaw :] *= self.setting.length**2
-        drag, unknowns, before = 1e-2, self._unknowns, self.history.positions
+        scale[body.size - body.moves_jaw :] *= L**2
+        drag, floor, before = 1e-2, 0.0, self.history.positions
         for _ in range(_DESCENTS):
-            damped = replace(self.system, drag=drag * scale, anchor=unknowns)
+            damped = replace(self.system, drag=drag * scale, anchor=self._unknowns)
             try:
-                solution = damped.solve(unknowns, frame, self.history)
+                solution = damped.solve(self._unknowns, frame, self.history)
             except ArithmeticError:
-                drag *= 8
-                if drag > 1e6:
-                    break
+                drag, floor = 8 * drag, 2 * drag
                 continue
+            moved = float(np.max(np.abs(solution.positions - self.history.positions)))
             self._accept(following, frame, solution)
-            unknowns, drag = solution.unknowns, drag / (3 if solution.iterations < 12 else 1.5)
-            if drag < 1e-12:
-                solution = self.system.solve(unknowns, frame, self.history)
-                if not self.system.stable(solution):
-                    break
-                self._accept(following, frame, solution)
-                self._rate = np.zeros_like(unknowns)
-                jump = float(np.max(np.abs(solution.positions - before)))
-                self.snapped |= jump > JUMP * self.setting.length
+            drag, floor = max(drag / 3, floor), floor / 1.5
+            if drag < _LOOSE and moved < JUMP * L:
+                self._rate = np.zeros_like(self._rate)
+                solution = self._step(following)
+                self.snapped |= bool(np.max(np.abs(solution.positions - before)) > JUMP * L)
                 return solution
         raise NoSolutionError(f"no equilibrium to follow, and none found by descent: {error}")
 

@@ -92,10 +92,18 @@ class Verification:
         return tuple(pose for pose in self.poses if pose.elements.status == "failed")
 
     @property
+    def rough(self) -> bool:
+        """Whether the elements have friction."""
+        own = self.model.friction
+        if own is None:
+            return self.scene.friction is not None and not self.scene.friction.absent
+        return any(mu > 0 for mu in (own.values() if isinstance(own, Mapping) else [own]))
+
+    @property
     def same_friction(self) -> bool:
         """Whether elements and gripper both have friction, or neither."""
         states = {contact.state for pose in self.poses for contact in pose.gripper.contacts}
-        return not states or self.model.rough == bool(states - {"frictionless"})
+        return not states or self.rough == bool(states - {"frictionless"})
 
     @property
     def parameter(self) -> str | None:
@@ -191,10 +199,11 @@ def _aligned(rows: Sequence[Sequence[str]]) -> list[str]:
 def _blocks(report: Verification) -> list[list[str]]:
     model = report.model
     along, across = model.elements
+    friction = "friction" if report.rough else "no friction"
     head = [report.scene.title] if report.scene.title else []
     head += [
         f"finite elements: {along} x {across} quadratic, {model.law}, plane {report.material.plane}, "
-        f"{model.jaw} jaw, friction {model.friction}; mesh error from {report.second[0]} x {report.second[1]}",
+        f"{model.jaw} jaw, {friction}; mesh error from {report.second[0]} x {report.second[1]}",
         "force of the finger on the object and tip in the finger's frame; gripper's in brackets",
     ]
     material = report.material
