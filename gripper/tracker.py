@@ -252,7 +252,7 @@ class Tracker:
         obstacle = self.setting.obstacle(self.path.frame(following))
         found = descend(self.setting, obstacle, start, self.order)
         self.iterations += found.equilibrium.iterations
-        self.changes.append(Change(self.parameter, "snap", f"the finger snaps away: {error}"))
+        self.changes.append(Change(self.parameter, "snap", "the equilibrium ends here: the finger leaves for another"))
         self.parameter, self.current = following, found
 
     def _refined(self) -> Answer:
