@@ -53,8 +53,8 @@ def verify(
     jaw
         "rigid" (moves with the end face), or "elastic": of the finger's material, with the finger going on above it.
     friction
-        Coulomb's coefficient in place of the scene's: a number, or one for "finger" and one for "jaw". Always with slip,
-        stick and memory along the motion, from its first touch on; without a motion, in the sense that the scene says.
+        Coulomb's coefficient in place of the scene's: a number, or one for "finger" and one for "jaw". Slip, stick and
+        memory are found along the motion, from its first touch on; without a motion the scene's sense is taken.
     laws
         Whether to say what the other laws alone would change (two more runs on the second mesh).
     result

@@ -77,16 +77,14 @@ class Corners:
         chosen = order[first]
         return corner[chosen], edge[chosen], xi[chosen], distance[chosen]
 
-    def touch(
-        self, positions: Array, frame: Frame, history: History, friction: tuple[Array, Array], first: int
-    ) -> Touch:
+    def touch(self, positions: Array, frame: Frame, history: History, rough: tuple[Array, Array], first: int) -> Touch:
         """Forces of the corners inside the finger.
 
         Parameters
         ----------
         positions, frame, history
             As `gripper.verify.contact.Contact.touch`.
-        friction
+        rough
             Coefficient and prescribed sign of T on each edge (e,).
         first
             Number of the first corner in ``history.friction``.
@@ -97,7 +95,7 @@ class Corners:
         corner, edge, xi = corner[chosen], edge[chosen], xi[chosen]
         nodes = self.edges[edge]
         back = frame.place(history.frame.local(history.positions[nodes].reshape(-1, 2))).reshape(-1, 3, 2)
-        rules = self.stiffness[edge], friction[0][edge], friction[1][edge], history.friction[first + corner]
+        rules = self.stiffness[edge], rough[0][edge], rough[1][edge], history.friction[first + corner]
         push = _Push(points[corner], back, *rules, xi)
         x = positions[nodes]
         forces, normal, friction, sticking = push(x)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
@@ -34,18 +35,31 @@ def check(friction: Friction) -> None:
             raise ValueError(f"friction must be a coefficient, at least 0; got {value!r}")
 
 
+def of_scene(scene: Scene) -> Any:
+    """The scene's own friction where it has any, with `finger`, `along`, `on_jaw`, `sense`; else None."""
+    own = getattr(scene, "friction", None)
+    return None if own is None or own.absent else own
+
+
+def is_rough(scene: Scene, friction: Friction | None) -> bool:
+    """Whether there is friction at all."""
+    if friction is None:
+        return of_scene(scene) is not None
+    return any(mu > 0 for mu in (friction.values() if isinstance(friction, Mapping) else [friction]))
+
+
 def coefficients(scene: Scene, friction: Friction | None, mesh: Mesh) -> Array:
     """Coefficient on each edge (k,): of ``friction``, or the scene's where that is None."""
     edges, on_jaw = mesh.outline.edges, mesh.outline.part == JAW
-    if friction is None:
-        if scene.friction is None or scene.friction.absent:
-            return np.zeros(len(edges))
+    own = of_scene(scene)
+    if friction is None and own is not None:
         length = placed(scene.finger).body.length
-        s = np.minimum(mesh.nodes[edges[:, 1], 0], length)
-        return np.where(on_jaw, scene.friction.on_jaw(length), scene.friction.along(s))
-    if not isinstance(friction, Mapping):
-        return np.full(len(edges), float(friction))
-    return np.where(on_jaw, friction.get("jaw", 0.0), friction.get("finger", 0.0))
+        finger, jaw = own.along(np.minimum(mesh.nodes[edges[:, 1], 0], length)), own.on_jaw(length)
+    elif isinstance(friction, Mapping):
+        finger, jaw = friction.get("finger", 0.0), friction.get("jaw", 0.0)
+    else:
+        finger = jaw = friction or 0.0
+    return np.asarray(np.where(on_jaw, jaw, finger), dtype=float)
 
 
 def senses(scene: Scene, friction: Friction | None, mesh: Mesh) -> Array:
@@ -55,7 +69,8 @@ def senses(scene: Scene, friction: Friction | None, mesh: Mesh) -> Array:
     object's outline, counter-clockwise around the finger the other way, is positive where an edge runs to the tip.
     """
     edges = mesh.outline.edges
-    sense = scene.friction.sense if scene.friction and friction is None and not scene.motion else None
+    own = of_scene(scene)
+    sense = own.sense if own is not None and friction is None and scene.motion is None else None
     if sense is None:
         return np.zeros(len(edges))
     along = mesh.nodes[edges[:, 2], 0] - mesh.nodes[edges[:, 0], 0]

@@ -12,6 +12,7 @@ from gripper.fingers import Material
 from gripper.pose import placed
 from gripper.pose_result import Contact
 from gripper.scene import Scene
+from gripper.verify.friction import is_rough
 from gripper.verify.run import Found, Model, Place
 
 Vector = tuple[float, float]
@@ -94,10 +95,7 @@ class Verification:
     @property
     def rough(self) -> bool:
         """Whether the elements have friction."""
-        own = self.model.friction
-        if own is None:
-            return self.scene.friction is not None and not self.scene.friction.absent
-        return any(mu > 0 for mu in (own.values() if isinstance(own, Mapping) else [own]))
+        return is_rough(self.scene, self.model.friction)
 
     @property
     def same_friction(self) -> bool:
