@@ -59,7 +59,7 @@ def fit_patches(setting: Setting, equilibrium: Equilibrium) -> tuple[Site, ...]:
                 site = replace(site, kind="patch", place=(max(start, 1e-6), stop))
         elif site.kind == "patch" and site.place[1] - site.place[0] < _PATCH / 2:
             site = replace(site, kind="tangent", place=(site.middle,))
-        column += equilibrium.state.sites[i].unknown_places
+        column += equilibrium.state.sites[i].unknowns
         sites.append(site)
     return tuple(sites)
 
@@ -133,6 +133,8 @@ def stability(equilibrium: Equilibrium) -> float:
     lin = equilibrium.linear
     if not len(lin.values):
         return 1.0
+    if lin.rubbing is not None:
+        return definiteness(equilibrium)
     # places follow the motion: eliminate them where the gap is curved (points); where it is flat the tangent itself
     # is held; a patch is held by its pressures
     hessian, held = np.eye(lin.gradients.shape[1]) - lin.hessian, [lin.gradients]

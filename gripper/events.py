@@ -36,7 +36,7 @@ class Change:
     """Something that happened at a value of the path's parameter."""
 
     parameter: float
-    kind: Literal["touch", "release", "change", "snap"]
+    kind: Literal["touch", "release", "change", "snap", "stick", "slip"]
     detail: str
 
 
@@ -119,7 +119,7 @@ def _pressing(setting: Setting, equilibrium: Equilibrium, i: int) -> float:
 def _from_end(setting: Setting, equilibrium: Equilibrium, i: int) -> tuple[float, float]:
     """How far a contact is from the nearer end of its piece, and the rate of that with the parameter."""
     sites = equilibrium.state.sites
-    site, first = sites[i], sum(site.unknown_places for site in sites[:i])
+    site, first = sites[i], sum(site.unknowns for site in sites[:i])
     rates = equilibrium.tangent()[2][first : first + site.unknown_places]
     ahead = setting.outline.pieces[site.piece].length - site.place[-1]
     return (site.place[0], float(rates[0])) if site.place[0] < ahead else (ahead, -float(rates[-1]))
