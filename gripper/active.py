@@ -12,6 +12,7 @@ from gripper.assemble import Candidate, Problem, near, vertex_heights
 from gripper.certificate import DEPTH, Survey, survey
 from gripper.contact import PRESSURES, Site
 from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, settle
+from gripper.grip import dressed
 from gripper.obstacle import Obstacle
 from gripper.outline import LOWER, UPPER, Axis
 
@@ -153,6 +154,37 @@ def stability(equilibrium: Equilibrium) -> float:
     return float(np.linalg.eigvalsh((reduced + reduced.T) / 2)[0])
 
 
+def definiteness(equilibrium: Equilibrium) -> float:
+    """With friction: 1 where the tangent stiffness of the free motions has a positive determinant, as without, else -1.
+
+    The free motions keep the contacts; what the contact forces may do in reply spans other directions than the
+    constraints' gradients, so that the stiffness is taken between the complements of both.
+    """
+    lin = equilibrium.linear
+    hessian = np.eye(lin.gradients.shape[1]) - lin.hessian
+    rows, columns = list(lin.gradients), list(lin.loads)
+    at = 0
+    for site in equilibrium.state.sites:
+        stuck, turned = at + site.unknown_places, 0.0
+        if site.kind in ("tangent", "vertex"):
+            slide, curvature = lin.residual_gradients[at], float(lin.residual_slopes[at, at])
+            if abs(curvature) < _FLAT:
+                rows.append(slide)
+                columns.append(lin.load_slopes[:, at])
+            else:
+                hessian += np.outer(lin.load_slopes[:, at], slide) / curvature
+                turned = 1 / curvature
+        if site.unknowns > site.unknown_places:
+            rolled = turned * lin.residual_slopes[stuck, at] * lin.residual_gradients[at] if turned else 0.0
+            rows.append(lin.residual_gradients[stuck] - rolled)
+            columns.append(lin.load_slopes[:, stuck])
+        at += site.unknowns
+    free = np.linalg.qr(np.array(rows).T, mode="complete")[0][:, len(rows) :]
+    left = np.linalg.qr(np.array(columns).T, mode="complete")[0][:, len(rows) :]
+    stiffness, measure = np.linalg.slogdet(left.T @ hessian @ free)[0], np.linalg.slogdet(left.T @ free)[0]
+    return float(stiffness * measure)
+
+
 def find(setting: Setting, obstacle: Obstacle, start: State, order: int) -> Verified:
     """Equilibrium from a start whose contacts are not known: SLSQP for the active set, Newton to round-off.
 
@@ -172,7 +204,8 @@ def find(setting: Setting, obstacle: Obstacle, start: State, order: int) -> Veri
         relaxed = problem.state(answer.x)
         for sites, multipliers in _active_sets(setting, problem, answer.x, np.atleast_1d(answer.multipliers)):
             try:
-                guess = State(relaxed.beam, relaxed.z, sites, multipliers)
+                held = dressed(setting.friction, start.sites, sites)
+                guess = State(relaxed.beam, relaxed.z, held, multipliers)
                 settled = _loaded(setting, settle_contacts(setting, obstacle, guess, order), order)
                 verified = verify(setting, settled)
             except NoEquilibriumError as error:

@@ -166,13 +166,13 @@ class _Rubbed:
         tangent = anchor.tangent * turn
         start = anchor.point * turn + system.obstacle.frame.origin
         points, tangents = stations.points[self.span], stations.tangents[self.span]
-        lengths = np.abs(tangents)
+        lengths = np.abs(tangents)  # 0 at a corner, which has no way to go
         way = float(self.weights @ self.u) - anchor.u if self.site.unknown_places else 0.0
         stretch = (anchor.stretch + float(self.weights @ lengths)) / 2
         point = complex(self.weights @ points)
         system.residuals[at] = dot(tangent, point - start) - side * way * stretch
         row = (tangent.conjugate() * (self.weights @ self.gradients)).real
-        units = tangents.conj() / lengths
+        units = tangents.conj() / np.where(lengths > 0, lengths, 1.0)
         stretching = (units[:, None] * stations.tangent_gradients[self.span]).real
         system.residual_gradients[at] = row - side * way / 2 * (self.weights @ stretching)
         thinning = (units * stations.curvatures[self.span]).real
