@@ -10,8 +10,8 @@ from scipy.optimize import minimize
 from gripper.arrays import Array
 from gripper.assemble import Candidate, Problem, near, vertex_heights
 from gripper.certificate import DEPTH, Survey, survey
-from gripper.contact import PRESSURES, Site
-from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, settle
+from gripper.contact import PRESSURES, Site, linearise
+from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, anchored, settle
 from gripper.grip import dressed
 from gripper.obstacle import Obstacle
 from gripper.outline import LOWER, UPPER, Axis
@@ -57,12 +57,19 @@ def fit_patches(setting: Setting, equilibrium: Equilibrium) -> tuple[Site, ...]:
             width = force / (rigidity * curvature) if curvature > force / (rigidity * _WIDEST) else 0.0
             if width > _PATCH:
                 start, stop = site.place[0] - width / 2, site.place[0] + width / 2
-                site = replace(site, kind="patch", place=(max(start, 1e-6), stop))
+                site = replace(_loosened(site), kind="patch", place=(max(start, 1e-6), stop))
         elif site.kind == "patch" and site.place[1] - site.place[0] < _PATCH / 2:
-            site = replace(site, kind="tangent", place=(site.middle,))
+            site = replace(_loosened(site), kind="tangent", place=(site.middle,))
         column += equilibrium.state.sites[i].unknowns
         sites.append(site)
     return tuple(sites)
+
+
+def _loosened(site: Site) -> Site:
+    """A contact whose kind changes: where it sticks it does so from here on."""
+    if site.grip is None or site.grip.hold != "stick":
+        return site
+    return replace(site, grip=replace(site.grip, anchor=None))
 
 
 def with_sites(state: State, sites: tuple[Site, ...]) -> State:
@@ -185,6 +192,16 @@ def definiteness(equilibrium: Equilibrium) -> float:
     return float(stiffness * measure)
 
 
+def held(setting: Setting, obstacle: Obstacle, start: State, guess: State) -> State:
+    """A guess whose contacts hold as those of the start that they continue; they stick from where that had them."""
+    if setting.friction is None or not guess.sites:
+        return guess
+    sites = dressed(setting.friction, start.sites, guess.sites)
+    before = replace(start, sites=sites, multipliers=guess.multipliers)
+    lin = linearise(start.beam, start.z, setting.outline, obstacle, sites, guess.multipliers)
+    return replace(guess, sites=anchored(before, lin).sites)
+
+
 def find(setting: Setting, obstacle: Obstacle, start: State, order: int) -> Verified:
     """Equilibrium from a start whose contacts are not known: SLSQP for the active set, Newton to round-off.
 
@@ -204,8 +221,7 @@ def find(setting: Setting, obstacle: Obstacle, start: State, order: int) -> Veri
         relaxed = problem.state(answer.x)
         for sites, multipliers in _active_sets(setting, problem, answer.x, np.atleast_1d(answer.multipliers)):
             try:
-                held = dressed(setting.friction, start.sites, sites)
-                guess = State(relaxed.beam, relaxed.z, held, multipliers)
+                guess = held(setting, obstacle, start, State(relaxed.beam, relaxed.z, sites, multipliers))
                 settled = _loaded(setting, settle_contacts(setting, obstacle, guess, order), order)
                 verified = verify(setting, settled)
             except NoEquilibriumError as error:

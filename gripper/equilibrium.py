@@ -5,8 +5,9 @@ Unknowns are the beam's z, the multipliers lambda and the contacts' places u; th
     z - C_z^T lambda = 0,   C(z, u) = 0,   R(z, u) = 0,
 
 V's Hessian being the identity. With friction the loads are not C_z but what the inclined forces do, and a contact that
-sticks has one more unknown, its ratio of friction, and one more equation: no slip (:mod:`gripper.rubbing`). The same matrix gives the tangent along a motion, the stability and the error
-estimate. Segments end at the contacts: they are cut anew until the places that come out are those that went in.
+sticks has one more unknown, its ratio of friction, and one more equation: no slip (:mod:`gripper.rubbing`). The same
+matrix gives the tangent along a motion, the stability and the error estimate. Segments end at the contacts: they are
+cut anew until the places that come out are those that went in.
 """
 
 from __future__ import annotations
@@ -120,6 +121,19 @@ class Equilibrium:
         return complex(sum(f.sum() for f in self.linear.forces))
 
 
+def anchored(state: State, lin: Linearisation) -> State:
+    """Contacts that stick and have no anchor yet begin to where they are."""
+    if lin.rubbing is None or not any(s.grip and s.grip.hold == "stick" and s.grip.anchor is None for s in state.sites):
+        return state
+    sites = [
+        replace(site, grip=replace(site.grip, anchor=anchor))
+        if site.grip is not None and site.grip.hold == "stick" and site.grip.anchor is None
+        else site
+        for site, anchor in zip(state.sites, lin.rubbing.anchors, strict=True)
+    ]
+    return replace(state, sites=tuple(sites))
+
+
 def _shared(sites: tuple[Site, ...]) -> tuple[Site, ...]:
     """Contacts that follow another in stick take its ratio over."""
     out = list(sites)
@@ -191,6 +205,7 @@ def settle(setting: Setting, obstacle: Obstacle, state: State, order: int) -> Eq
         if iteration == 0 or _stale(state):
             state = state.on(setting.beam(state.sites, order))
         lin = linearise(state.beam, state.z, setting.outline, obstacle, state.sites, state.multipliers)
+        state = anchored(state, lin) if iteration == 0 else state
         if last < _CONVERGED:
             return Equilibrium(state, obstacle, lin, iteration, way)
         dz, dmultipliers, dplaces = kkt_step(state, lin)

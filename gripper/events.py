@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 
 from gripper.assemble import Problem, near
 from gripper.certificate import survey
-from gripper.contact import Site
+from gripper.contact import Kind, Site
 from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, settle
 from gripper.obstacle import Frame
 
@@ -65,17 +65,17 @@ def changes(setting: Setting, path: Path, old: Along, new: Along, order: int) ->
     out: list[Change] = []
     for lost, won in zip(gone, come, strict=False):
         where = _changed(setting, path, old, new, lost, won, order)
-        out.append(Change(where, "change", f"{_named(setting, lost)} to {_named(setting, won)}"))
+        out.append(Change(where, "change", f"{_feature_name(setting, lost)} to {_feature_name(setting, won)}"))
     pairs = min(len(gone), len(come))
     for won in come[pairs:]:
         if before:
             where = _released(setting, path, new, old.parameter, won, order)
         else:
             where = first_touch(setting, path, old, new)
-        out.append(Change(where, "touch", _named(setting, won)))
+        out.append(Change(where, "touch", _feature_name(setting, won)))
     for lost in gone[pairs:]:
         where = _released(setting, path, old, new.parameter, lost, order)
-        out.append(Change(where, "release", _named(setting, lost)))
+        out.append(Change(where, "release", _feature_name(setting, lost)))
     return sorted(out, key=lambda change: abs(change.parameter - old.parameter))
 
 
@@ -102,12 +102,21 @@ def _changed(setting: Setting, path: Path, old: Along, new: Along, lost: Feature
     return _released(setting, path, old, new.parameter, lost, order)
 
 
-def _named(setting: Setting, feature: Feature) -> str:
+def _feature_name(setting: Setting, feature: Feature) -> str:
     kind, piece, vertex = feature
     on = setting.outline.place(piece, np.zeros(1))[0]
     if kind == "vertex":
         return f"the object's corner {vertex} on {on}"
     return f"corner of {on}" if kind == "corner" else on
+
+
+def named(setting: Setting, site: Site) -> str:
+    """What a contact is called in an event."""
+    return _feature_name(setting, next(iter(features((replace(site, kind=_plain(site)),)))))
+
+
+def _plain(site: Site) -> Kind:
+    return "patch" if site.kind == "tail" else site.kind
 
 
 def _pressing(setting: Setting, equilibrium: Equilibrium, i: int) -> float:
@@ -125,7 +134,7 @@ def _from_end(setting: Setting, equilibrium: Equilibrium, i: int) -> tuple[float
     return (site.place[0], float(rates[0])) if site.place[0] < ahead else (ahead, -float(rates[-1]))
 
 
-class _Branch:
+class Branch:
     """The equilibria of one set of contacts near a known one, each reached from the nearest that is known."""
 
     def __init__(self, setting: Setting, path: Path, known: Along, order: int) -> None:
@@ -156,7 +165,7 @@ class _Branch:
 def _released(setting: Setting, path: Path, known: Along, stop: float, feature: Feature, order: int) -> float:
     """Where a contact's multiplier vanishes on the branch of a known equilibrium, the contact held beyond."""
     i = features(known.equilibrium.state.sites)[feature]
-    branch = _Branch(setting, path, replace(known, equilibrium=_pointed(setting, known.equilibrium, i, order)), order)
+    branch = Branch(setting, path, replace(known, equilibrium=_pointed(setting, known.equilibrium, i, order)), order)
     try:
         return _bracketed(lambda parameter: _pressing(setting, branch.at(parameter), i), known.parameter, stop)
     except NoEquilibriumError:
@@ -166,7 +175,7 @@ def _released(setting: Setting, path: Path, known: Along, stop: float, feature: 
 def _departed(setting: Setting, path: Path, known: Along, stop: float, feature: Feature, order: int) -> float:
     """Where a contact's place reaches the end of its piece: Newton steps that stop a little short of it."""
     i = features(known.equilibrium.state.sites)[feature]
-    branch, at, short = _Branch(setting, path, known, order), known.parameter, _SHORT
+    branch, at, short = Branch(setting, path, known, order), known.parameter, _SHORT
     way = stop - known.parameter
     for _ in range(_STEPS):
         ahead, rate = _from_end(setting, branch.at(at), i)

@@ -11,11 +11,11 @@ from gripper.answer import Answer, pose_result
 from gripper.assemble import first_order, left_out, setting
 from gripper.certificate import survey
 from gripper.equilibrium import NoEquilibriumError, Setting, State
+from gripper.frictional import tracker_for
 from gripper.kinematics import Kinematics, Retreat
 from gripper.obstacle import Frame
 from gripper.result import Model, PoseResult, Result
 from gripper.scene import Scene
-from gripper.tracker import Tracker
 
 NOT_MODELLED = (
     "stretch of the axis",
@@ -72,7 +72,7 @@ def approach(fixed: Setting, final: Frame, direction: tuple[float, float], order
                 "give another direction in [approach], or a motion that starts from a free pose"
             )
         back += max(pace, -found.min_gap)
-    tracker = Tracker(fixed, path, -back, order, events=False)
+    tracker = tracker_for(fixed)(fixed, path, -back, order, events=False)
     return tracker.advance(0.0), tracker.order
 
 

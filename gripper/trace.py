@@ -9,6 +9,7 @@ from dataclasses import replace
 from gripper.answer import pose_result
 from gripper.assemble import first_order, setting
 from gripper.equilibrium import NoEquilibriumError, Setting
+from gripper.frictional import tracker_for
 from gripper.kinematics import Kinematics
 from gripper.result import Event, PoseResult, Result
 from gripper.scene import Scene
@@ -83,7 +84,7 @@ class _Follower:
 
     def _begin(self, value: float) -> Tracker:
         try:
-            return Tracker(self.fixed, self.kinematics, value, self.order)
+            return tracker_for(self.fixed)(self.fixed, self.kinematics, value, self.order)
         except NoEquilibriumError:
             answer, order = approach(self.fixed, self.kinematics.frame(value), self.scene.approach, self.order)
-            return Tracker.resume(self.fixed, self.kinematics, value, order, answer.verified)
+            return tracker_for(self.fixed).resume(self.fixed, self.kinematics, value, order, answer.verified)

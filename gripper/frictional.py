@@ -1,0 +1,212 @@
+"""Following an equilibrium with friction: contacts slip and stick, and remember.
+
+Every step is first taken with the holds that the contacts have. Where at its end a contact slips against its sense,
+or sticks with more than mu, the step ends where that begins: the slip's rate, or mu less the ratio, has its root
+there. The hold changes at that point of the motion, so that no answer depends on how far apart the poses are.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from scipy.optimize import brentq
+
+from gripper.active import Verified, find, verify
+from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, State
+from gripper.events import Along, Branch, Change, changes, features, first_touch, named
+from gripper.holds import coefficient, grip_of, leaders, margin, overdue, ratio_rate, regripped, slip_rates, tangent
+from gripper.tracker import Tracker
+
+_NUDGE = 1e-5  # of L: how far beyond the first touch the first hold is decided
+_SHARP = 1e-10  # of the step: where a hold changes is located to
+_SHORTEST = 1e-6  # of L: shorter steps are not cut for a hold
+_MOST = 8  # changes of hold at one place
+
+
+class FrictionTracker(Tracker):
+    """A tracker whose contacts slip and stick."""
+
+    heading = 0.0
+    """Sign of the way along the parameter; 0 before the first step."""
+
+    def _step(self, following: float) -> None:
+        heading = float(np.sign(following - self.parameter))
+        if not self.sites:
+            self._meet(following)
+            self.heading = heading
+            return
+        if heading != self.heading:
+            self._turn(heading)
+        found = self._followed(following)
+        found = self._decided(found, following)
+        late = overdue(found.equilibrium, heading)
+        if late:
+            self._change_hold(found, following, late)
+        else:
+            self._accept(following, found)
+
+    def _meet(self, following: float) -> None:
+        """The finger is free: go on to the first touch, and decide there how it holds."""
+        free = self._free(following)
+        if free.survey.clear:
+            self.parameter, self.current = following, free
+            return
+        start, here = self.parameter, Along(self.parameter, self.current.equilibrium)
+        touch = first_touch(self.setting, self.path, here, Along(following, free.equilibrium))
+        rest = self._travel(touch, following)
+        near = touch + (following - touch) * _NUDGE / rest if rest > _NUDGE else following
+        self.heading = float(np.sign(following - start))
+        try:
+            found = self._decided(self._touched(near), near)
+        except NoEquilibriumError:
+            near = following
+            found = self._decided(self._touched(near), near)
+        self._accept(near, found)
+
+    def _turn(self, heading: float) -> None:
+        """Where the motion turns, slip that would go against its sense stops: the contact sticks."""
+        self.heading = heading
+        equilibrium = self.current.equilibrium
+        rates = slip_rates(equilibrium)
+        for i in leaders(equilibrium):
+            grip = grip_of(equilibrium, i)
+            if grip.hold == "slip" and rates[i] * heading * grip.sense <= 0:
+                equilibrium = regripped(self.setting, equilibrium, i, 0, self.order)
+                self._tell("stick", equilibrium, i, "the motion turns")
+        self.current = replace(self.current, equilibrium=equilibrium)
+
+    def _tell(self, kind: str, equilibrium: Equilibrium, i: int, why: str) -> None:
+        if self.events:
+            where = named(self.setting, equilibrium.state.sites[i])
+            self.changes.append(Change(self.parameter, kind, f"{where}: {why}" if why else where))  # type: ignore[arg-type]
+
+    # new contacts
+
+    def _decided(self, found: Verified, at: float) -> Verified:
+        """Contacts that came without a hold get the one that is consistent."""
+        for _ in range(_MOST):
+            equilibrium = found.equilibrium
+            undecided = [i for i in leaders(equilibrium) if grip_of(equilibrium, i).hold == "open"]
+            if not undecided:
+                return found
+            found = verify(self.setting, self._first_hold(equilibrium, undecided[0]))
+        raise NoEquilibriumError("the holds of the contacts contradict each other")
+
+    def _first_hold(self, equilibrium: Equilibrium, i: int) -> Equilibrium:
+        """Slip, if it goes on in its sense, the likelier sense first; else stick, if its ratio stays within mu."""
+        likely = 1 if slip_rates(equilibrium)[i] * self.heading >= 0 else -1
+        options: list[Callable[[], Equilibrium | None]] = [
+            functools.partial(self._slipping, equilibrium, i, sense) for sense in (likely, -likely)
+        ]
+        options.append(functools.partial(self._sticking, equilibrium, i))
+        for option in options:
+            found = option()
+            if found is not None:
+                return found
+        raise NoEquilibriumError("no hold of a new contact is consistent with Coulomb's law")
+
+    def _slipping(self, equilibrium: Equilibrium, i: int, sense: int) -> Equilibrium | None:
+        try:
+            found = regripped(self.setting, equilibrium, i, sense, self.order)
+            verify(self.setting, found)
+            return found if slip_rates(found)[i] * self.heading * sense > 0 else None
+        except NoEquilibriumError:
+            return None
+
+    def _sticking(self, equilibrium: Equilibrium, i: int) -> Equilibrium | None:
+        """Stick from the first touch on: the ratio that it tends to."""
+        try:
+            found = regripped(self.setting, equilibrium, i, 0, self.order)
+            row = sum(site.multipliers for site in found.state.sites[:i])
+            rate = float(tangent(found)[1][row]) / float(found.state.multipliers[row])
+            ratio = ratio_rate(found, i) / rate if rate else np.inf
+            return found if abs(ratio) <= coefficient(found, i) else None
+        except NoEquilibriumError:
+            return None
+
+    # changes of hold
+
+    def _change_hold(self, found: Verified, following: float, late: list[int]) -> None:
+        """Go to where the first contact changes its hold, and change it."""
+        old = self.current.equilibrium
+        if features(old.state.sites) != features(found.equilibrium.state.sites):
+            self._halve(found, following)
+            return
+        if _kinds(old) == _kinds(found.equilibrium):
+            branch = Branch(self.setting, self.path, Along(self.parameter, old), self.order)
+            branch.known.append(Along(following, found.equilibrium))
+        else:
+            branch = Branch(self.setting, self.path, Along(following, found.equilibrium), self.order)
+        places = [self._place(branch, found.equilibrium, i, following) for i in late]
+        first = min(range(len(late)), key=lambda k: abs(places[k] - self.parameter))
+        where, i = places[first], late[first]
+        if where == self.parameter:
+            self._switch(i, self._excess(found.equilibrium, i))
+            return
+        before = verify(self.setting, branch.at(where))
+        self._accept(where, before)
+        self._switch(i, self._excess(found.equilibrium, i))
+
+    def _halve(self, found: Verified, following: float) -> None:
+        """Contacts change in the same step: take half of it."""
+        if self._travel(self.parameter, following) < _SHORTEST:
+            self._accept(following, found)
+            for i in overdue(found.equilibrium, self.heading):
+                self._switch(i, self._excess(found.equilibrium, i))
+            return
+        self._step((self.parameter + following) / 2)
+
+    @staticmethod
+    def _excess(equilibrium: Equilibrium, i: int) -> float:
+        """On which side a contact that sticks leaves mu."""
+        return float(np.sign(grip_of(equilibrium, i).ratio))
+
+    def _place(self, branch: Branch, end: Equilibrium, i: int, following: float) -> float:
+        """Where on the step a contact changes its hold."""
+        bound = self._excess(end, i)
+
+        def left(parameter: float) -> float:
+            return margin(branch.at(parameter), i, self.heading, bound)
+
+        if left(self.parameter) <= 0:
+            return self.parameter
+        sharp = _SHARP * abs(following - self.parameter)
+        return float(brentq(left, self.parameter, following, xtol=sharp, rtol=1e-14))
+
+    def _switch(self, i: int, bound: float) -> None:
+        """Change the hold of a contact here: slip to stick, or to slip the other way; stick to slip."""
+        equilibrium = self.current.equilibrium
+        grip = grip_of(equilibrium, i)
+        if grip.hold == "stick":
+            following = self._to_slip(equilibrium, i, -int(bound))
+        else:
+            following = self._to_stick(equilibrium, i, grip.sense)
+        self.current = verify(self.setting, following)
+
+    def _to_slip(self, equilibrium: Equilibrium, i: int, sense: int) -> Equilibrium:
+        found = regripped(self.setting, equilibrium, i, sense, self.order)
+        self._tell("slip", found, i, "")
+        return found
+
+    def _to_stick(self, equilibrium: Equilibrium, i: int, sense: int) -> Equilibrium:
+        found = regripped(self.setting, equilibrium, i, 0, self.order)
+        if ratio_rate(found, i) * self.heading * -sense > 0:
+            # it would need more than mu at once: it slips the other way
+            found = regripped(self.setting, equilibrium, i, -sense, self.order)
+            self._tell("slip", found, i, "the other way")
+            return found
+        self._tell("stick", found, i, "")
+        return found
+
+
+def _kinds(equilibrium: Equilibrium) -> list[str]:
+    return [site.kind for site in equilibrium.state.sites]
+
+
+def tracker_for(setting: Setting) -> type[Tracker]:
+    """The tracker that a setting needs: with friction that the motion decides, one that slips and sticks."""
+    decides = setting.friction is not None and not setting.friction.tipward
+    return FrictionTracker if decides else Tracker
