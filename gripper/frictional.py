@@ -16,12 +16,14 @@ from scipy.optimize import brentq
 
 from gripper.active import Verified, find, verify
 from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, State
+from gripper.grip import dressed
 from gripper.events import Along, Branch, Change, changes, features, first_touch, named
 from gripper.holds import coefficient, grip_of, leaders, margin, overdue, ratio_rate, regripped, slip_rates, tangent
 from gripper.tracker import Tracker
 
 _NUDGE = 1e-5  # of L: how far beyond the first touch the first hold is decided
 _SHARP = 1e-10  # of the step: where a hold changes is located to
+_AT_ONCE = 1e-9  # of its value at the step's end: a margin this small is none
 _SHORTEST = 1e-6  # of L: shorter steps are not cut for a hold
 _MOST = 8  # changes of hold at one place
 
@@ -31,6 +33,17 @@ class FrictionTracker(Tracker):
 
     heading = 0.0
     """Sign of the way along the parameter; 0 before the first step."""
+    _switched: frozenset[tuple[int, float, int]] | set[tuple[int, float, int]] = frozenset()
+
+    def begin(self, heading: float) -> None:
+        """A motion that starts in contact: the contacts hold as if it had come that way."""
+        self.heading = heading
+        law = self.setting.friction
+        state = self.current.equilibrium.state
+        if law is None or not state.sites:
+            return
+        dressing = replace(state, sites=dressed(law, (), state.sites))
+        self.current = self._decided(self._at(self.parameter, dressing), self.parameter)
 
     def _step(self, following: float) -> None:
         heading = float(np.sign(following - self.parameter))
@@ -171,35 +184,34 @@ class FrictionTracker(Tracker):
         def left(parameter: float) -> float:
             return margin(branch.at(parameter), i, self.heading, bound)
 
-        if left(self.parameter) <= 0:
+        if left(self.parameter) <= _AT_ONCE * abs(left(following)):
             return self.parameter
         sharp = _SHARP * abs(following - self.parameter)
         return float(brentq(left, self.parameter, following, xtol=sharp, rtol=1e-14))
 
     def _switch(self, i: int, bound: float) -> None:
-        """Change the hold of a contact here: slip to stick, or to slip the other way; stick to slip."""
+        """Change the hold of a contact here: slip to stick, or stick to slip.
+
+        Where a contact would stick only with more than mu at once, it slips the other way.
+
+        Raises
+        ------
+        NoEquilibriumError
+            Where no hold is consistent.
+        """
         equilibrium = self.current.equilibrium
         grip = grip_of(equilibrium, i)
-        if grip.hold == "stick":
-            following = self._to_slip(equilibrium, i, -int(bound))
-        else:
-            following = self._to_stick(equilibrium, i, grip.sense)
-        self.current = verify(self.setting, following)
-
-    def _to_slip(self, equilibrium: Equilibrium, i: int, sense: int) -> Equilibrium:
+        sense = 0 if grip.hold == "slip" else -int(bound)
+        why = ""
+        if sense and (i, self.parameter, sense) in self._switched:
+            sense, why = -sense, "the other way"
+        if (i, self.parameter, sense) in self._switched:
+            raise NoEquilibriumError("no hold of a contact is consistent with Coulomb's law")
+        self._switched = {at for at in self._switched if at[1] == self.parameter}
+        self._switched |= {(i, self.parameter, grip.sense), (i, self.parameter, sense)}
         found = regripped(self.setting, equilibrium, i, sense, self.order)
-        self._tell("slip", found, i, "")
-        return found
-
-    def _to_stick(self, equilibrium: Equilibrium, i: int, sense: int) -> Equilibrium:
-        found = regripped(self.setting, equilibrium, i, 0, self.order)
-        if ratio_rate(found, i) * self.heading * -sense > 0:
-            # it would need more than mu at once: it slips the other way
-            found = regripped(self.setting, equilibrium, i, -sense, self.order)
-            self._tell("slip", found, i, "the other way")
-            return found
-        self._tell("stick", found, i, "")
-        return found
+        self.current = verify(self.setting, found)
+        self._tell("slip" if sense else "stick", found, i, why)
 
 
 def _kinds(equilibrium: Equilibrium) -> list[str]:

@@ -9,7 +9,7 @@ from dataclasses import replace
 from gripper.answer import pose_result
 from gripper.assemble import first_order, setting
 from gripper.equilibrium import NoEquilibriumError, Setting
-from gripper.frictional import tracker_for
+from gripper.frictional import FrictionTracker, tracker_for
 from gripper.kinematics import Kinematics
 from gripper.result import Event, PoseResult, Result
 from gripper.scene import Scene
@@ -86,5 +86,19 @@ class _Follower:
         try:
             return tracker_for(self.fixed)(self.fixed, self.kinematics, value, self.order)
         except NoEquilibriumError:
-            answer, order = approach(self.fixed, self.kinematics.frame(value), self.scene.approach, self.order)
-            return tracker_for(self.fixed).resume(self.fixed, self.kinematics, value, order, answer.verified)
+            return self._approached(value)
+
+    def _approached(self, value: float) -> Tracker:
+        """A motion that starts in contact; the way there is no part of it and leaves no friction behind."""
+        smooth = replace(self.fixed, friction=None) if tracker_for(self.fixed) is FrictionTracker else self.fixed
+        answer, order = approach(smooth, self.kinematics.frame(value), self.scene.approach, self.order)
+        tracker = tracker_for(self.fixed).resume(self.fixed, self.kinematics, value, order, answer.verified)
+        if isinstance(tracker, FrictionTracker):
+            tracker.begin(self._heading(value))
+        return tracker
+
+    def _heading(self, value: float) -> float:
+        """Where the motion goes from a value: the sign of the way along its parameter."""
+        values = self.scene.motion.values if self.scene.motion else ()
+        later = [v - value for v in values[values.index(value) :] if v != value]
+        return -1.0 if later and later[0] < 0 else 1.0
