@@ -29,6 +29,13 @@ class Rubbing:
     rates: Array  # by the motion's parameter, z held, (sites,)
     anchors: tuple[Anchor, ...]  # where each contact is now
     ratios: tuple[float, ...]  # rho of each contact
+    power: Array  # power of the friction on the finger by z's rate, (n,)
+    drag: float  # the same by the parameter, z held: both make the (negative) dissipation
+
+
+def dissipation(rubbing: Rubbing, rates: Array) -> float:
+    """Energy lost per unit of the motion's parameter, from z's rate (n,)."""
+    return -float(rubbing.power @ rates + rubbing.drag)
 
 
 def rub(system: System, outline: Outline, u: Array) -> None:
@@ -49,6 +56,8 @@ def rub(system: System, outline: Outline, u: Array) -> None:
         np.array([r.slip_rate for r in each]),
         tuple(r.anchor for r in each),
         tuple(r.ratio for r in each),
+        np.sum([r.ratio * (r.force @ r.pushed) for r in each], axis=0),
+        -sum(r.ratio * float(r.force @ r.passing) for r in each),
     )
 
 
@@ -77,8 +86,9 @@ class _Rubbed:
         self.along = self.rubs / np.abs(normals)
         weighed = (self.weights * self.along.conj())[:, None]
         self.slip = (weighed * self.gradients).real.sum(axis=0)
-        passing = dot(self.along, system.obstacle.velocities(stations.points[self.span]))
-        self.slip_rate = -float(self.weights @ passing)
+        velocities = system.obstacle.velocities(stations.points[self.span])
+        self.passing = dot(self.rubs, velocities)
+        self.slip_rate = -float(self.weights @ dot(self.along, velocities))
 
     def _moves(self) -> Array:
         moves = np.zeros((len(self.u), self.site.unknown_places))
@@ -89,16 +99,15 @@ class _Rubbed:
             moves[0] = 1.0
         return moves
 
-    @property
-    def forces(self) -> Array:
+    def _forces(self) -> Array:
         """Normal force at each query by the length of its normal."""
         if self.site.kind == "vertex":
             return dot(self.system.pull[self.span], np.array([self.system.corners[self.span.start][0]]))
-        return self.system.weights[self.span]
+        return self.system.weights[self.span].copy()
 
     def load(self) -> None:
         """The loads of friction at its ratio, and their derivatives."""
-        self._force = force = self.forces.copy()
+        self.force = force = self._forces()
         system, rho, column = self.system, self.ratio, self.column
         count = self.site.multipliers
         modes = self._modes()
@@ -149,8 +158,8 @@ class _Rubbed:
 
     def grip_on(self, column: int) -> None:
         """The loads' derivative by the ratio."""
-        self.system.load_slopes[:, column] += self._force @ self.pushed
-        self.system.force_places[column] += complex(self._force @ self.rubs)
+        self.system.load_slopes[:, column] += self.force @ self.pushed
+        self.system.force_places[column] += complex(self.force @ self.rubs)
 
     def hold_fast(self) -> None:
         """No slip since the anchor: the way along the object less the way along the finger.
