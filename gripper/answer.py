@@ -125,7 +125,7 @@ def pose_result(setting: Setting, answer: Answer, parameter: float | None, place
     if reason:
         return PoseResult.failed(parameter, reason, answer.iterations, answer.seconds)
     scales, equilibrium = setting.sections, answer.verified.equilibrium
-    state, lin = equilibrium.state, equilibrium.linear
+    state = equilibrium.state
     force = -equilibrium.force * scales.force_scale
     turn = placement.turn
     points, forces = _loads(equilibrium)

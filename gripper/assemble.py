@@ -318,9 +318,7 @@ def _stretches(setting: Setting, state: State, found: Survey, reach: float) -> l
     return list(out.values())
 
 
-def _vertices(
-    setting: Setting, obstacle: Obstacle, axis: Axis, found: Survey, reach: float
-) -> tuple[Candidate, ...]:
+def _vertices(setting: Setting, obstacle: Obstacle, axis: Axis, found: Survey, reach: float) -> tuple[Candidate, ...]:
     """The object's corners that come nearest to a piece: lower than both their neighbours on the object."""
     out: list[Candidate] = []
     for piece, heights in vertex_heights(setting, obstacle, axis, found).items():

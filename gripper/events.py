@@ -197,6 +197,13 @@ def _between(start: float, stop: float) -> float:
     return (start + stop) / 2
 
 
+def pointed(setting: Setting, equilibrium: Equilibrium, order: int) -> Equilibrium:
+    """All patches as points."""
+    for i in range(len(equilibrium.state.sites)):
+        equilibrium = _pointed(setting, equilibrium, i, order)
+    return equilibrium
+
+
 def _pointed(setting: Setting, equilibrium: Equilibrium, i: int, order: int) -> Equilibrium:
     """A patch shrinks to a point before it lets go: followed as a point, which may pull beyond the event."""
     site = equilibrium.state.sites[i]

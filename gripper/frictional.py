@@ -14,18 +14,25 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import brentq
 
-from gripper.active import Verified, find, verify
-from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, State
+from gripper.active import Verified, verify
+from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting
+from gripper.events import Along, Branch, Change, Feature, features, first_touch, named, pointed
 from gripper.grip import dressed
-from gripper.events import Along, Branch, Change, changes, features, first_touch, named
 from gripper.holds import coefficient, grip_of, leaders, margin, overdue, ratio_rate, regripped, slip_rates, tangent
 from gripper.tracker import Tracker
+from gripper.work import Balance, Pace, dips, pace
 
 _NUDGE = 1e-5  # of L: how far beyond the first touch the first hold is decided
 _SHARP = 1e-10  # of the step: where a hold changes is located to
 _AT_ONCE = 1e-9  # of its value at the step's end: a margin this small is none
+_FINE = 1e-3  # of L: shorter steps are not cut for their balance
+_CHANGING = 0.01  # of L: the longest step that ends free of the object
+_BALANCED = 3e-4  # of the energies of a step
 _SHORTEST = 1e-6  # of L: shorter steps are not cut for a hold
 _MOST = 8  # changes of hold at one place
+
+Part = tuple[float, Pace, float, Pace]
+_REST = Pace(np.zeros(2), np.zeros(2), np.zeros((0, 2)))
 
 
 class FrictionTracker(Tracker):
@@ -33,6 +40,9 @@ class FrictionTracker(Tracker):
 
     heading = 0.0
     """Sign of the way along the parameter; 0 before the first step."""
+    balance = Balance()
+    """Work put in and energy lost so far."""
+    _paced: tuple[float, Verified | None, Pace | None] = (0.0, None, None)
     _switched: frozenset[tuple[int, float, int]] | set[tuple[int, float, int]] = frozenset()
 
     def begin(self, heading: float) -> None:
@@ -58,8 +68,64 @@ class FrictionTracker(Tracker):
         late = overdue(found.equilibrium, heading)
         if late:
             self._change_hold(found, following, late)
-        else:
-            self._accept(following, found)
+            return
+        stop = pace(self.setting, self.path, Along(following, found.equilibrium), heading)
+        if self._coarse(found, stop, following):
+            self._step((self.parameter + following) / 2)
+            return
+        self._accept(following, found)
+        self._paced = following, found, stop
+
+    def _coarse(self, found: Verified, stop: Pace, following: float) -> bool:
+        """Whether a hold may change and change back within the step, or its work does not balance."""
+        old, new, way = self.current.equilibrium, found.equilibrium, following - self.parameter
+        travel = self._travel(self.parameter, following)
+        if holds(old) != holds(new):
+            return travel > _CHANGING and not new.state.sites
+        if travel < _FINE:
+            return False
+        start = self._pace()
+        step = Balance().plus(start, stop, way)
+        stored = new.state.energy - old.state.energy
+        if abs(step.work - step.loss - stored) > _BALANCED * (abs(stored) + step.loss):
+            return True
+        return dips(start, stop, way)
+
+    def _pace(self) -> Pace:
+        """The pace of the current equilibrium, reckoned once."""
+        parameter, found, known = self._paced
+        if known is None or found is not self.current or parameter != self.parameter:
+            known = pace(self.setting, self.path, Along(self.parameter, self.current.equilibrium), self.heading)
+            self._paced = self.parameter, self.current, known
+        return known
+
+    def _accept(self, following: float, found: Verified) -> None:
+        """Go on, and book work and dissipation."""
+        start = self.parameter
+        touching = self.sites
+        before = self._pace() if touching else _REST
+        known, old = len(self.changes), self.current
+        super()._accept(following, found)
+        after = self._pace() if self.sites else _REST
+        broken = [change.parameter for change in self.changes[known:] if change.kind in ("touch", "change", "release")]
+        parts = [(start, before, following, after)]
+        if broken:
+            ends = Along(start, old.equilibrium), Along(following, found.equilibrium)
+            parts = self._broken(*ends, before, after, broken)
+        for begin, first, end, last in parts:
+            self.balance = self.balance.plus(first, last, end - begin)
+
+    def _broken(self, old: Along, new: Along, before: Pace, after: Pace, broken: list[float]) -> list[Part]:
+        """The step on both sides of a change of the contacts, at which the rates jump."""
+        sides = []
+        for at, near, known in ((broken[0], old, before), (broken[-1], new, after)):
+            try:
+                near = replace(near, equilibrium=pointed(self.setting, near.equilibrium, self.order))
+                branch = Branch(self.setting, self.path, near, self.order)
+                sides.append(pace(self.setting, self.path, Along(at, branch.at(at)), self.heading))
+            except NoEquilibriumError:
+                sides.append(known.carried(at - near.parameter))
+        return [(old.parameter, before, broken[0], sides[0]), (broken[-1], sides[1], new.parameter, after)]
 
     def _meet(self, following: float) -> None:
         """The finger is free: go on to the first touch, and decide there how it holds."""
@@ -212,6 +278,12 @@ class FrictionTracker(Tracker):
         found = regripped(self.setting, equilibrium, i, sense, self.order)
         self.current = verify(self.setting, found)
         self._tell("slip" if sense else "stick", found, i, why)
+
+
+def holds(equilibrium: Equilibrium) -> list[tuple[Feature, str | None]]:
+    """What touches and how it holds."""
+    sites = equilibrium.state.sites
+    return [(feature, sites[i].grip.hold if sites[i].grip else None) for feature, i in features(sites).items()]
 
 
 def _kinds(equilibrium: Equilibrium) -> list[str]:
