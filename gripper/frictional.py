@@ -19,6 +19,7 @@ from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting
 from gripper.events import Along, Branch, Change, Feature, features, first_touch, named, pointed
 from gripper.grip import dressed
 from gripper.holds import coefficient, grip_of, leaders, margin, overdue, ratio_rate, regripped, slip_rates, tangent
+from gripper.locking import LockedError, free_slip, limiting_ratio
 from gripper.tracker import Tracker
 from gripper.work import Balance, Pace, dips, pace
 
@@ -63,6 +64,7 @@ class FrictionTracker(Tracker):
             return
         if heading != self.heading:
             self._turn(heading)
+        self._check_locked(self.current.equilibrium)
         found = self._followed(following)
         found = self._decided(found, following)
         late = overdue(found.equilibrium, heading)
@@ -75,6 +77,22 @@ class FrictionTracker(Tracker):
             return
         self._accept(following, found)
         self._paced = following, found, stop
+
+    def _check_locked(self, equilibrium: Equilibrium) -> None:
+        """Whether a contact that sticks could not slip on with any force.
+
+        Raises
+        ------
+        LockedError
+            Where friction holds the finger.
+        """
+        for i in leaders(equilibrium):
+            if grip_of(equilibrium, i).hold == "slip":
+                continue
+            side = -self.heading * np.sign(free_slip(self.setting, equilibrium, i))
+            limit, mu = limiting_ratio(self.setting, equilibrium, i, side), coefficient(equilibrium, i)
+            if limit <= mu:
+                raise LockedError(limit, mu)
 
     def _coarse(self, found: Verified, stop: Pace, following: float) -> bool:
         """Whether a hold may change and change back within the step, or its work does not balance."""
@@ -185,6 +203,7 @@ class FrictionTracker(Tracker):
             found = option()
             if found is not None:
                 return found
+        self._check_locked(equilibrium)
         raise NoEquilibriumError("no hold of a new contact is consistent with Coulomb's law")
 
     def _slipping(self, equilibrium: Equilibrium, i: int, sense: int) -> Equilibrium | None:

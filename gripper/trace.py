@@ -11,6 +11,7 @@ from gripper.assemble import first_order, setting
 from gripper.equilibrium import NoEquilibriumError, Setting
 from gripper.frictional import FrictionTracker, tracker_for
 from gripper.kinematics import Kinematics
+from gripper.locking import LockedError
 from gripper.result import Event, PoseResult, Result
 from gripper.scene import Scene
 from gripper.solve import approach, model
@@ -77,6 +78,8 @@ class _Follower:
                 self.tracker = self._begin(value)
             answer = self.tracker.advance(value)
             pose = pose_result(self.fixed, answer, value, self.kinematics.placement(value))
+        except LockedError as error:
+            pose = PoseResult(parameter=value, status="locked", reason=str(error))
         except NoEquilibriumError as error:
             iterations = self.tracker.iterations if self.tracker else 0
             pose = PoseResult.failed(value, str(error), iterations)
