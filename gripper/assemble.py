@@ -17,6 +17,7 @@ from gripper.arrays import Array, Index
 from gripper.certificate import Survey, survey
 from gripper.contact import Site, linearise
 from gripper.equilibrium import Setting, State
+from gripper.friction import Friction
 from gripper.grip import Law
 from gripper.kinematics import Kinematics
 from gripper.obstacle import Obstacle
@@ -59,6 +60,11 @@ def _law(scene: Scene, outline: Outline, length: float) -> Law | None:
     friction = scene.friction
     if friction is None or friction.absent or friction.model == "published":
         return None
+    return law(friction, outline, length)
+
+
+def law(friction: Friction, outline: Outline, length: float) -> Law:
+    """Coulomb's law on a finger of this outline and length (m)."""
     sense = {"tipward": 1, "baseward": -1, None: 0}[friction.sense]
     return Law(friction.finger, friction.on_jaw(length), outline, length, sense)
 

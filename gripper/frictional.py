@@ -15,6 +15,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from gripper.active import Verified, verify
+from gripper.answer import Answer
 from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting
 from gripper.events import Along, Branch, Change, Feature, features, first_touch, named, pointed
 from gripper.grip import dressed
@@ -30,7 +31,8 @@ _FINE = 1e-3  # of L: shorter steps are not cut for their balance
 _CHANGING = 0.01  # of L: the longest step that ends free of the object
 _BALANCED = 3e-4  # of the energies of a step
 _SHORTEST = 1e-6  # of L: shorter steps are not cut for a hold
-_MOST = 8  # changes of hold at one place
+_MOST = 8  # changes of hold at one place, snaps on the way to one pose
+_ALMOST = 1.05  # a contact that sticks this near to locking does not get away from it
 
 Part = tuple[float, Pace, float, Pace]
 _REST = Pace(np.zeros(2), np.zeros(2), np.zeros((0, 2)))
@@ -44,6 +46,7 @@ class FrictionTracker(Tracker):
     balance = Balance()
     """Work put in and energy lost so far."""
     _paced: tuple[float, Verified | None, Pace | None] = (0.0, None, None)
+    _snaps = 0
     _switched: frozenset[tuple[int, float, int]] | set[tuple[int, float, int]] = frozenset()
 
     def begin(self, heading: float) -> None:
@@ -78,7 +81,7 @@ class FrictionTracker(Tracker):
         self._accept(following, found)
         self._paced = following, found, stop
 
-    def _check_locked(self, equilibrium: Equilibrium) -> None:
+    def _check_locked(self, equilibrium: Equilibrium, factor: float = 1.0) -> None:
         """Whether a contact that sticks could not slip on with any force.
 
         Raises
@@ -91,7 +94,7 @@ class FrictionTracker(Tracker):
                 continue
             side = -self.heading * np.sign(free_slip(self.setting, equilibrium, i))
             limit, mu = limiting_ratio(self.setting, equilibrium, i, side), coefficient(equilibrium, i)
-            if limit <= mu:
+            if limit <= factor * mu:
                 raise LockedError(limit, mu)
 
     def _coarse(self, found: Verified, stop: Pace, following: float) -> bool:
@@ -174,6 +177,30 @@ class FrictionTracker(Tracker):
                 equilibrium = regripped(self.setting, equilibrium, i, 0, self.order)
                 self._tell("stick", equilibrium, i, "the motion turns")
         self.current = replace(self.current, equilibrium=equilibrium)
+
+    def _snap(self, following: float, error: NoEquilibriumError) -> None:
+        """Beyond the last equilibrium: the finger is all but locked, or it snaps, and its contacts slip anew."""
+        equilibrium = self.current.equilibrium
+        self._check_locked(equilibrium, _ALMOST)
+        self._snaps += 1
+        if self._snaps > _MOST:
+            raise NoEquilibriumError(f"the finger snaps again and again: {error}") from error
+        super()._snap(following, error)
+        if self.sites:
+            self.current = self._decided(self.current, self.parameter)
+
+    def advance(self, target: float) -> Answer:
+        """Follow the path to a value of its parameter.
+
+        Raises
+        ------
+        NoEquilibriumError
+            Where no equilibrium could be followed that far; the tracker stays at the last one it found.
+        LockedError
+            Where friction holds the finger for any force.
+        """
+        self._snaps = 0
+        return super().advance(target)
 
     def _tell(self, kind: str, equilibrium: Equilibrium, i: int, why: str) -> None:
         if self.events:

@@ -16,7 +16,8 @@ import scipy.linalg
 from gripper.arrays import Array
 from gripper.contact import linearise
 from gripper.equilibrium import Equilibrium, Setting
-from gripper.grip import leader
+from gripper.grip import dressed, leader, tipward
+from gripper.holds import slip_rates
 
 _REAL = 1e-6
 _FINITE = 1e4
@@ -43,8 +44,7 @@ class LockedError(Exception):
 def free_slip(setting: Setting, equilibrium: Equilibrium, i: int) -> float:
     """The slip rate that a contact would have without friction."""
     opened = _opened(setting, equilibrium, i, 0.0)
-    assert opened.linear.rubbing is not None
-    return float(opened.linear.rubbing.gradients[i] @ opened.tangent()[0] + opened.linear.rubbing.rates[i])
+    return float(slip_rates(opened)[i])
 
 
 def limiting_ratio(setting: Setting, equilibrium: Equilibrium, i: int, sign: float) -> float:
@@ -68,3 +68,26 @@ def _opened(setting: Setting, equilibrium: Equilibrium, i: int, ratio: float) ->
     state = replace(equilibrium.state, sites=tuple(sites))
     lin = linearise(state.beam, state.z, setting.outline, equilibrium.obstacle, state.sites, state.multipliers)
     return replace(equilibrium, state=state, linear=lin)
+
+
+def check_locked(setting: Setting, equilibrium: Equilibrium) -> None:
+    """Whether friction of a given sense locks a frictionless equilibrium.
+
+    Raises
+    ------
+    LockedError
+        Where it does.
+    """
+    law, sites = setting.friction, equilibrium.state.sites
+    if law is None:
+        return
+    held = dressed(law, (), sites)
+    state = replace(equilibrium.state, sites=held)
+    for i, site in enumerate(held):
+        sign = -law.tipward * tipward(site, law.outline)
+        limit, mu = (
+            limiting_ratio(setting, replace(equilibrium, state=state), i, sign),
+            law.at(site.piece, site.middle)[0],
+        )
+        if limit <= mu:
+            raise LockedError(limit, mu)

@@ -6,7 +6,6 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 
-from gripper.answer import pose_result
 from gripper.assemble import first_order, setting
 from gripper.equilibrium import NoEquilibriumError, Setting
 from gripper.frictional import FrictionTracker, tracker_for
@@ -14,7 +13,7 @@ from gripper.kinematics import Kinematics
 from gripper.locking import LockedError
 from gripper.result import Event, PoseResult, Result
 from gripper.scene import Scene
-from gripper.solve import approach, model
+from gripper.solve import approach, model, numbers
 from gripper.tracker import Tracker
 
 
@@ -77,7 +76,7 @@ class _Follower:
             if self.tracker is None:
                 self.tracker = self._begin(value)
             answer = self.tracker.advance(value)
-            pose = pose_result(self.fixed, answer, value, self.kinematics.placement(value))
+            pose = numbers(self.scene, self.fixed, answer, value, self.kinematics.placement(value))
         except LockedError as error:
             pose = PoseResult(parameter=value, status="locked", reason=str(error))
         except NoEquilibriumError as error:
