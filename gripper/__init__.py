@@ -14,6 +14,7 @@ from gripper.assemble import Problem, assemble
 from gripper.fields import Expression, Finite, Point, Positive, Profile, Surface
 from gripper.fingers import Finger, Jaw, Material
 from gripper.friction import Coefficients, Friction
+from gripper.loop import Loop
 from gripper.objects import ImplicitSurface, Object
 from gripper.pose import Placed, Pose
 from gripper.result import Contact, Event, PoseResult, Result
@@ -31,6 +32,7 @@ __all__ = [
     "Friction",
     "ImplicitSurface",
     "Jaw",
+    "Loop",
     "Material",
     "Motion",
     "Object",

@@ -21,6 +21,7 @@ from gripper.events import Along, Branch, Change, Feature, features, first_touch
 from gripper.grip import dressed
 from gripper.holds import coefficient, grip_of, leaders, margin, overdue, ratio_rate, regripped, slip_rates, tangent
 from gripper.locking import LockedError, free_slip, limiting_ratio
+from gripper.peaks import Peak
 from gripper.tracker import Tracker
 from gripper.work import Balance, Pace, dips, pace
 
@@ -45,6 +46,8 @@ class FrictionTracker(Tracker):
     """Sign of the way along the parameter; 0 before the first step."""
     balance = Balance()
     """Work put in and energy lost so far."""
+    peaks: tuple[Peak, ...] = ()
+    """The largest force of the drive, one a leg of the motion."""
     _paced: tuple[float, Verified | None, Pace | None] = (0.0, None, None)
     _snaps = 0
     _switched: frozenset[tuple[int, float, int]] | set[tuple[int, float, int]] = frozenset()
@@ -135,6 +138,15 @@ class FrictionTracker(Tracker):
             parts = self._broken(*ends, before, after, broken)
         for begin, first, end, last in parts:
             self.balance = self.balance.plus(first, last, end - begin)
+            near = Along(start, old.equilibrium) if begin == start else Along(following, found.equilibrium)
+            self._note(Peak.of(begin, first, end, last, near))
+
+    def _note(self, peak: Peak) -> None:
+        """Keep the largest force of each leg of the motion."""
+        if peak.heading != (self.peaks[-1].heading if self.peaks else 0.0):
+            self.peaks = (*self.peaks, peak)
+        elif peak.force > self.peaks[-1].force:
+            self.peaks = (*self.peaks[:-1], peak)
 
     def _broken(self, old: Along, new: Along, before: Pace, after: Pace, broken: list[float]) -> list[Part]:
         """The step on both sides of a change of the contacts, at which the rates jump."""

@@ -13,14 +13,17 @@ from dataclasses import replace
 import numpy as np
 import scipy.linalg
 
+from gripper.active import definiteness
 from gripper.arrays import Array
 from gripper.contact import linearise
-from gripper.equilibrium import Equilibrium, Setting
-from gripper.grip import dressed, leader, tipward
+from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, settle
+from gripper.grip import Grip, dressed, leader, tipward
 from gripper.holds import slip_rates
 
 _REAL = 1e-6
 _FINITE = 1e4
+_RAMP = 16
+_LIMITED = 1e-4
 
 
 class LockedError(Exception):
@@ -36,9 +39,8 @@ class LockedError(Exception):
 
     def __init__(self, limit: float, mu: float) -> None:
         self.limit, self.mu = limit, mu
-        super().__init__(
-            f"friction holds the finger for any force: its coefficient is {mu:.4g}, the limiting one {limit:.4g}"
-        )
+        holds = "holds the finger for any force" if limit <= mu else "all but holds the finger"
+        super().__init__(f"friction {holds}: its coefficient is {mu:.4g}, the limiting one {limit:.4g}")
 
 
 def free_slip(setting: Setting, equilibrium: Equilibrium, i: int) -> float:
@@ -70,8 +72,8 @@ def _opened(setting: Setting, equilibrium: Equilibrium, i: int, ratio: float) ->
     return replace(equilibrium, state=state, linear=lin)
 
 
-def check_locked(setting: Setting, equilibrium: Equilibrium) -> None:
-    """Whether friction of a given sense locks a frictionless equilibrium.
+def check_locked(setting: Setting, equilibrium: Equilibrium, order: int) -> None:
+    """Whether friction of a given sense locks a frictionless equilibrium: whether it ends as friction grows.
 
     Raises
     ------
@@ -79,15 +81,24 @@ def check_locked(setting: Setting, equilibrium: Equilibrium) -> None:
         Where it does.
     """
     law, sites = setting.friction, equilibrium.state.sites
-    if law is None:
+    if law is None or not sites:
         return
-    held = dressed(law, (), sites)
-    state = replace(equilibrium.state, sites=held)
-    for i, site in enumerate(held):
-        sign = -law.tipward * tipward(site, law.outline)
-        limit, mu = (
-            limiting_ratio(setting, replace(equilibrium, state=state), i, sign),
-            law.at(site.piece, site.middle)[0],
-        )
-        if limit <= mu:
-            raise LockedError(limit, mu)
+    held = [(site, tipward(site, law.outline) * law.tipward) for site in dressed(law, (), sites)]
+    mu = max(law.at(site.piece, site.middle)[0] for site in sites)
+    state, reached, step = equilibrium.state, 0.0, mu / _RAMP
+    while step > _LIMITED * mu:
+        ratio = min(reached + step, mu)
+        ruled = [replace(s, grip=Grip(law, ratio=-sense * ratio)) for s, sense in held]
+        moved = [replace(new, place=old.place) for new, old in zip(ruled, state.sites, strict=True)]
+        try:
+            found = settle(setting, equilibrium.obstacle, replace(state, sites=tuple(moved)), order)
+        except NoEquilibriumError:
+            step /= 2
+            continue
+        if np.any(found.state.multipliers < 0) or definiteness(found) < 0:
+            step /= 2
+            continue
+        state, reached = found.state, ratio
+        if reached == mu:
+            return
+    raise LockedError(reached, mu)

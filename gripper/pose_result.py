@@ -183,6 +183,8 @@ class PoseResult(Record):
         EI psi'(0), in N m: positive when the object pushes towards the finger's +y.
     energy
         Strain energy, in J.
+    work, dissipation
+        With friction along a motion: work put in by the drive, and energy lost, since the motion began, in J.
     tip, tip_rotation
         Neutral axis at s = L, in m; psi(L) relative to the clamp, in rad.
     max_strain
@@ -210,6 +212,8 @@ class PoseResult(Record):
     motion_force: float | None = None
     clamp_moment: float | None = None
     energy: float | None = None
+    work: float | None = None
+    dissipation: float | None = None
     tip: Vector | None = None
     tip_rotation: float | None = None
     max_strain: float | None = None

@@ -99,8 +99,8 @@ def _approached(scene: Scene, fixed: Setting, frame: Frame) -> Answer:
     except NoEquilibriumError:
         if fixed.friction is None:
             raise
-        smooth, _ = approach(replace(fixed, friction=None), frame, scene.approach, first_order(scene.tolerance))
-        check_locked(fixed, smooth.verified.equilibrium)
+        smooth, order = approach(replace(fixed, friction=None), frame, scene.approach, first_order(scene.tolerance))
+        check_locked(fixed, smooth.verified.equilibrium, order)
         raise
 
 

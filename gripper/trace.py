@@ -11,6 +11,7 @@ from gripper.equilibrium import NoEquilibriumError, Setting
 from gripper.frictional import FrictionTracker, tracker_for
 from gripper.kinematics import Kinematics
 from gripper.locking import LockedError
+from gripper.loop import Loop
 from gripper.result import Event, PoseResult, Result
 from gripper.scene import Scene
 from gripper.solve import approach, model, numbers
@@ -52,7 +53,14 @@ def trace(scene: Scene, progress: Callable[[int, int], None] | None = None) -> R
         if progress is not None:
             progress(done, len(values))
     events = tuple(follower.events)
-    return Result(title=scene.title, scene=scene, model=model(scene, fixed), poses=tuple(poses), events=events)
+    return Result(
+        title=scene.title,
+        scene=scene,
+        model=model(scene, fixed),
+        poses=tuple(poses),
+        events=events,
+        loop=follower.loop(),
+    )
 
 
 class _Follower:
@@ -82,7 +90,35 @@ class _Follower:
         except NoEquilibriumError as error:
             iterations = self.tracker.iterations if self.tracker else 0
             pose = PoseResult.failed(value, str(error), iterations)
+        pose = self._with_energies(pose)
         return replace(pose, seconds=time.process_time() - began)
+
+    def _with_energies(self, pose: PoseResult) -> PoseResult:
+        """Work and dissipation since the motion began, where there is friction."""
+        tracker = self.tracker
+        if pose.status not in ("contact", "free") or not isinstance(tracker, FrictionTracker):
+            return pose
+        unit = self.fixed.sections.energy_scale
+        return replace(pose, work=tracker.balance.work * unit, dissipation=tracker.balance.loss * unit)
+
+    def loop(self) -> Loop | None:
+        """The loop so far; None without friction or contact."""
+        tracker = self.tracker
+        if not isinstance(tracker, FrictionTracker) or not tracker.peaks:
+            return None
+        unit = self.fixed.sections.energy_scale
+        peaks = [peak.located(self.fixed, self.kinematics, tracker.order) for peak in tracker.peaks[:2]]
+        back = peaks[1] if len(peaks) > 1 else None
+        return Loop(
+            peak_insertion_force=peaks[0][0] * unit,
+            peak_insertion_parameter=peaks[0][1],
+            peak_retention_force=back[0] * unit if back else None,
+            peak_retention_parameter=back[1] if back else None,
+            ratio=back[0] / peaks[0][0] if back and peaks[0][0] > 0 else None,
+            work_in=tracker.balance.put_in * unit,
+            work_out=tracker.balance.given_back * unit,
+            dissipation=tracker.balance.loss * unit,
+        )
 
     def _begin(self, value: float) -> Tracker:
         try:

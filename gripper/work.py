@@ -116,12 +116,18 @@ def integral(start: Array, stop: Array, way: float) -> float:
     return float(way * (start[0] + stop[0]) / 2 + way**2 * (start[1] - stop[1]) / 12)
 
 
+def cubic(start: Array, stop: Array, way: float, t: Array) -> Array:
+    """What is known at both ends with its rates, at parts t (k,) of the way."""
+    values: Array = np.array([start[0], start[1] * way, stop[0], stop[1] * way]) @ _hermite(t)
+    return values
+
+
 def _split(start: Array, stop: Array, way: float, whole: float) -> tuple[float, float]:
     """Work put in and given back over a step: cut where the power changes its sign (a cubic's root)."""
     if start[0] * stop[0] >= 0:
         return (whole, 0.0) if whole > 0 else (0.0, -whole)
     t = np.linspace(0.0, 1.0, 65)
-    power = np.array([start[0], start[1] * way, stop[0], stop[1] * way]) @ _hermite(t)
+    power = cubic(start, stop, way, t)
     forth = float(np.trapezoid(np.maximum(power * np.sign(way), 0.0), t)) * abs(way)
     return max(forth, whole, 0.0), max(forth, whole, 0.0) - whole
 
