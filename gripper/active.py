@@ -8,9 +8,10 @@ import numpy as np
 from scipy.optimize import minimize
 
 from gripper.arrays import Array
-from gripper.assemble import Candidate, Problem, near, vertex_heights
+from gripper.assemble import Candidate, Problem, least_gap, near, vertex_heights
+from gripper.beam import legendre
 from gripper.certificate import DEPTH, Survey, survey
-from gripper.contact import PRESSURES, Site, linearise
+from gripper.contact import NARROW, WIDE, Site, linearise
 from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, anchored, settle
 from gripper.grip import dressed
 from gripper.obstacle import Obstacle
@@ -22,9 +23,21 @@ _PATIENCE = 40  # SLSQP takes 8 to 15 iterations where it gets somewhere
 _COARSE = 1e-6  # SLSQP only has to tell who touches: Newton does the rest
 _ACTIVE = 1e-6  # of the largest multiplier
 _PATCH = 1e-4  # of L: narrower patches are points (the mean tangent's error falls with the square of the width)
-_WIDEST = 0.3  # of L: where a patch would be wider, finger and object conform
+_FLUSH = 2.0  # of sqrt(EI / GA): where a patch would be wider, the finger lies flush on a flat
+_WIDTHS = (
+    (0.3, NARROW),
+    (0.8, 3),
+    (2.2, 4),
+    (5.0, 6),
+    (np.inf, WIDE),
+)  # modes of a patch by its width over sqrt(EI / GA)
+_DECAYED = 6.0  # of sqrt(EI / GA): as far as a pressure that decays is followed
+_TURNED = 1e-3  # rad: a flat that turns by more has ended
+_RIPPLE = 3e-2  # of the largest pressure: what a polynomial may leave where the pressure has decayed
+_ACROSS = np.linspace(-1.0, 1.0, 17)
 _TOGETHER = 0.02  # of L: tangents nearer than this are one contact
 _TIP = 0.1  # of L: a contact this near to the tip may be the corner's
+_GRAZING = 1e-12  # of L: a gap's round-off
 _FLAT = 1e-4  # curvature of the gap, times L: below it a tangent's place is held by the next order
 _PULL = 1e-9  # relative: multipliers this negative are round-off
 REACH = 0.05
@@ -40,27 +53,36 @@ class Verified:
     stability: float = 1.0
 
 
+def untouched(setting: Setting, free: Verified) -> bool:
+    """Whether a finger without contacts is not even grazed."""
+    equilibrium, found = free.equilibrium, free.survey
+    if found.least > 0 or not found.clear:
+        return found.clear
+    return least_gap(setting, equilibrium.obstacle, equilibrium.state, found) >= -_GRAZING
+
+
 def fit_patches(setting: Setting, equilibrium: Equilibrium) -> tuple[Site, ...]:
     """The contacts with patches where shear makes them wide enough, points where it does not.
 
     A point force N leaves gamma with a jump N / GA, over which the object's outline bends the finger's: it touches
-    over about N / (GA g''), g'' being the curvature of the gap.
+    over about N / (GA g''), g'' being the curvature of the gap. On a flat the finger lies flush beyond the point, and
+    the pressure decays over sqrt(EI / GA).
     """
     if setting.theory == "bending":
         return equilibrium.state.sites
-    sites, lin, column = [], equilibrium.linear, 0
+    sites, column, after = [], 0, 0
     for i, site in enumerate(equilibrium.state.sites):
+        column, after = after, after + site.unknowns
         if site.kind == "tangent" and site.on_face:
-            force = float(np.abs(lin.forces[i].sum()))
-            rigidity = float(setting.sections.GA(np.array(site.place))[0])
-            curvature = float(lin.residual_slopes[column, column])
-            width = force / (rigidity * curvature) if curvature > force / (rigidity * _WIDEST) else 0.0
-            if width > _PATCH:
-                start, stop = site.place[0] - width / 2, site.place[0] + width / 2
-                site = replace(_loosened(site), kind="patch", place=(max(start, 1e-6), stop))
+            force = abs(complex(equilibrium.linear.forces[i].sum()))
+            curvature = float(equilibrium.linear.residual_slopes[column, column])
+            site = _patch(setting, equilibrium, site, force, curvature)
         elif site.kind == "patch" and site.place[1] - site.place[0] < _PATCH / 2:
-            site = replace(_loosened(site), kind="tangent", place=(site.middle,))
-        column += equilibrium.state.sites[i].unknowns
+            site = replace(_loosened(site), kind="tangent", place=(site.middle,), modes=1)
+        elif site.kind in ("patch", "tail"):
+            modes = _modes(setting, site)
+            if modes > site.modes or _modes(setting, site, slack=1.4) < site.modes:  # down later than up
+                site = replace(site, modes=modes)
         sites.append(site)
     return tuple(sites)
 
@@ -72,6 +94,45 @@ def _loosened(site: Site) -> Site:
     return replace(site, grip=replace(site.grip, anchor=None))
 
 
+def _modes(setting: Setting, site: Site, slack: float = 1.0) -> int:
+    """How many pressure modes a patch needs: the pressure varies over sqrt(EI / GA)."""
+    width = (site.place[1] - site.place[0]) / _decay(setting, site.middle) * slack
+    return next(modes for limit, modes in _WIDTHS if width < limit)
+
+
+def _decay(setting: Setting, s: float) -> float:
+    """sqrt(EI / GA) at a section, by L."""
+    at = np.array([min(s, 1.0)])
+    return float(np.sqrt(setting.sections.EI(at) / setting.sections.GA(at))[0])
+
+
+def _patch(setting: Setting, equilibrium: Equilibrium, site: Site, force: float, curvature: float) -> Site:
+    """The patch that a point force on a face spreads to, or the point itself."""
+    place = np.array(site.place)
+    rigidity = float(setting.sections.GA(place)[0])
+    decay = _decay(setting, site.place[0])
+    if force > rigidity * max(curvature, 0.0) * _FLUSH * decay:
+        stop = _flat_until(setting, equilibrium.obstacle, equilibrium.state, site, _DECAYED * decay)
+        if stop - site.place[0] > _FLUSH * decay:
+            return replace(_loosened(site), kind="tail", place=(site.place[0] - decay / 2, stop), modes=WIDE)
+        return site
+    width = force / (rigidity * curvature)
+    if width < _PATCH:
+        return site
+    start, stop = site.place[0] - width / 2, site.place[0] + width / 2
+    return replace(_loosened(site), kind="patch", place=(max(start, 1e-6), stop), modes=NARROW)
+
+
+def _flat_until(setting: Setting, obstacle: Obstacle, state: State, site: Site, reach: float) -> float:
+    """How far along its face a contact's flat goes on, within reach."""
+    u = np.linspace(site.place[0], min(site.place[0] + reach, 1.0), 33)
+    piece = np.full(u.size, site.piece)
+    points, *_ = setting.outline.trace(Axis.of(state.beam, state.z), piece, u, state.beam.segment_of(u))
+    _, normal = obstacle.slope(points)
+    turned = np.abs(normal / np.abs(normal) - normal[0] / abs(normal[0])) > _TURNED
+    return float(u[np.argmax(turned) - 1]) if turned.any() else float(u[-1])
+
+
 def with_sites(state: State, sites: tuple[Site, ...]) -> State:
     """The state with contacts of other kinds at the same places: multipliers carried over."""
     multipliers: list[float] = []
@@ -79,8 +140,19 @@ def with_sites(state: State, sites: tuple[Site, ...]) -> State:
     for old, new in zip(state.sites, sites, strict=True):
         mine = state.multipliers[first : first + old.multipliers]
         first += old.multipliers
-        multipliers += [float(mine[0])] + [0.0] * (new.multipliers - 1) if new.kind != old.kind else mine.tolist()
+        kept = mine.tolist()[: new.multipliers] + [0.0] * (new.multipliers - old.multipliers)
+        multipliers += kept if new.kind == old.kind else _spread(float(mine[0]), new)
     return replace(state, sites=sites, multipliers=np.array(multipliers))
+
+
+def _spread(force: float, site: Site) -> list[float]:
+    """First multipliers of a contact that carries a force: even over a short patch, decaying over a wide one."""
+    if site.modes <= 4:
+        return [force] + [0.0] * (site.modes - 1)
+    x, weights = np.polynomial.legendre.leggauss(24)
+    decaying = np.exp(-_DECAYED * (x + 1) / 2)
+    modes = (2 * np.arange(site.modes) + 1) * (legendre(x, site.modes).T @ (weights * decaying))
+    return [float(value) for value in force * modes / modes[0]]
 
 
 def settle_contacts(setting: Setting, obstacle: Obstacle, state: State, order: int) -> Equilibrium:
@@ -93,10 +165,11 @@ def settle_contacts(setting: Setting, obstacle: Obstacle, state: State, order: i
     """
     found = settle(setting, obstacle, state, order)
     sites = fit_patches(setting, found)
-    if [s.kind for s in sites] == [s.kind for s in found.state.sites]:
+    if [(s.kind, s.modes) for s in sites] == [(s.kind, s.modes) for s in found.state.sites]:
         return found
     again = settle(setting, obstacle, with_sites(found.state, sites), order)
-    return replace(again, iterations=found.iterations + again.iterations)
+    total = found.iterations + again.iterations
+    return replace(again, iterations=total, correction=found.correction + again.correction)
 
 
 def objection(setting: Setting, equilibrium: Equilibrium) -> str | None:
@@ -108,8 +181,9 @@ def objection(setting: Setting, equilibrium: Equilibrium) -> str | None:
         first += site.multipliers
     largest = float(np.max(np.abs(state.multipliers), initial=0.0))
     for site, load in zip(state.sites, loads[1:], strict=True):
-        least = load[0] - np.abs(load[1:]).sum() if site.multipliers == PRESSURES else load[0]
-        if least < -_PULL * largest:
+        pressure = legendre(_ACROSS, site.modes) @ load
+        allowed = _PULL * largest if site.modes <= NARROW else _RIPPLE * float(np.max(pressure))
+        if float(np.min(pressure)) < -allowed:
             return "a contact would have to pull"
         if site.place and not 0 <= site.place[0] <= site.place[-1] <= setting.outline.pieces[site.piece].length:
             return "a contact has left its face or edge"
@@ -260,7 +334,7 @@ def _violated(
     found = survey(setting, obstacle, state)
     corners = _sunken(setting, obstacle, state, found, known)
     out: list[Candidate] = []
-    for piece, u in found.deepest:
+    for piece, u in (*found.deepest, *found.sunken):
         if piece in corners:
             out.append(corners.pop(piece))
             continue
@@ -277,7 +351,7 @@ def _sunken(
     setting: Setting, obstacle: Obstacle, state: State, found: Survey, known: tuple[Candidate, ...]
 ) -> dict[int, Candidate]:
     """For each piece the object's corner that has sunk deepest through it and is no candidate yet."""
-    if not len(obstacle.corners) or not found.deepest:
+    if not len(obstacle.corners) or not (found.deepest or found.sunken):
         return {}
     out = {}
     for piece, heights in vertex_heights(setting, obstacle, Axis.of(state.beam, state.z), found).items():
@@ -305,7 +379,7 @@ def _active_sets(
     if not chosen:
         return [((), np.empty(0))] if np.all(gaps > -DEPTH) else []
     merged = _merged(chosen)
-    return _alternatives(setting, merged)
+    return _alternatives(setting, merged) + _flush(setting, problem, x, merged)
 
 
 def _resolved(setting: Setting, site: Site, candidate: Candidate) -> Site:
@@ -363,11 +437,36 @@ def _alternatives(setting: Setting, contacts: list[tuple[Site, float]]) -> list[
         sets.append([*rest, (corner, force)])
         if setting.theory != "bending":
             start = min([c[0].place[0] for c in at_tip if c[0].place] + [1 - 10 * _PATCH])
-            sets.append([*rest, (Site("tail", face, (start, 1.0)), force / 2), (corner, force / 2)])
+            tail = Site("tail", face, (start, 1.0), modes=NARROW)
+            sets.append([*rest, (tail, force / 2), (corner, force / 2)])
     if any(site.kind == "tangent" for site, _ in contacts):
         held = [(replace(s, kind="node") if s.kind == "tangent" else s, force) for s, force in contacts]
         sets.append(held)  # where finger and object conform, a tangent's place is not determined
     return [_as_set(chosen) for chosen in sets]
+
+
+def _flush(
+    setting: Setting, problem: Problem, x: Array, contacts: list[tuple[Site, float]]
+) -> list[tuple[tuple[Site, ...], Array]]:
+    """Where a face lies on a flat, shear spreads its force from the first touch on, as far as the tip's corner."""
+    out = []
+    faces = [c for c in contacts if c[0].kind == "tangent" and c[0].on_face]
+    if setting.theory == "bending" or not faces:
+        return []
+    for chosen in faces:
+        site, force = chosen
+        decay = _decay(setting, site.place[0])
+        stop = _flat_until(setting, problem.obstacle, problem.state(x), site, _DECAYED * decay)
+        if stop - site.place[0] < _FLUSH * decay and stop < 1:
+            continue
+        rest = [c for c in contacts if c is not chosen]
+        tail = replace(site, kind="tail", place=(site.place[0] - decay / 2, stop))
+        tail = replace(tail, modes=_modes(setting, tail))
+        out.append(_as_set([*rest, (tail, force)]))
+        corner = setting.outline.tip_corner(site.piece)
+        if stop == 1 and corner is not None and all(c[0].piece != corner for c in rest):
+            out.append(_as_set([*rest, (tail, force / 2), (Site("corner", corner, ()), force / 2)]))
+    return out
 
 
 def _near_tip(site: Site, face: int) -> bool:
@@ -375,5 +474,5 @@ def _near_tip(site: Site, face: int) -> bool:
 
 
 def _as_set(chosen: list[tuple[Site, float]]) -> tuple[tuple[Site, ...], Array]:
-    load = [[force] + [0.0] * (site.multipliers - 1) for site, force in chosen]
+    load = [_spread(force, site) for site, force in chosen]
     return tuple(site for site, _ in chosen), np.array([value for values in load for value in values])

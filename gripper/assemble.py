@@ -28,6 +28,7 @@ from gripper.scene import Scene
 from gripper.sections import sections
 
 _SAMPLES = 9
+_GRAZED = 0.05  # of L: how much wider than the least sampled gap is looked at
 _REFINEMENTS = 3
 _GRAZING = 1e-9  # of L: the least deflection that unknowns are scaled to
 _ARCS = np.concatenate([[0.0], np.geomspace(0.02, 3.0, 24)])
@@ -294,6 +295,15 @@ class Problem:
             a, fa, b, fb = c, fc, np.where(keep, a, b), np.where(keep, fa, fb)
             inner &= np.abs(fa) > 1e-14
         return np.where(inner, a - fa * (b - a) / np.where(inner, fb - fa, 1.0), a)
+
+
+def least_gap(setting: Setting, obstacle: Obstacle, state: State, found: Survey) -> float:
+    """The least gap of a deflected finger, by L: negative where the object would penetrate it, however little."""
+    candidates = near(setting, obstacle, state, found, max(found.min_gap, 0.0) + _GRAZED)
+    if not candidates:
+        return found.min_gap
+    problem = Problem(setting, obstacle, state, candidates)
+    return float(np.min(problem.gaps(problem.x0))) / setting.sections.length
 
 
 def near(setting: Setting, obstacle: Obstacle, state: State, found: Survey, reach: float) -> tuple[Candidate, ...]:

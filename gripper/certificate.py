@@ -27,6 +27,8 @@ _PER_EDGE = 4
 _ROUNDS = 14
 _MOST_PIECES = 60_000
 _CUT = 5
+_CLOSE = 0.15  # of L: corners of the object nearer than this to a sample are looked at exactly
+_FEET = 6
 _FLAT = 1e-6  # least |grad g| that a gap is divided by to be a distance
 _STEEPER = 1.5  # where nothing is proved of grad g: its sampled size may be off by this much
 
@@ -69,7 +71,12 @@ class Survey:
     pieces, gaps
         The first sampling and g at the pieces' ends, (2, k).
     engulfed
-        Whether the object's inner point lies within the finger.
+        Whether the object's inner point lies within the finger or its jaw.
+    sunken
+        Corners of the object that lie in the finger, by (piece, u) of the nearest outline: a needle's outline may be
+        in no outline's way, and its tip yet be in the finger.
+    least
+        A lower bound of the gap over the whole outline: above 0 nothing touches.
     """
 
     min_gap: float
@@ -79,11 +86,13 @@ class Survey:
     pieces: Pieces
     gaps: Array
     engulfed: bool
+    sunken: tuple[tuple[int, float], ...]
+    least: float
 
     @property
     def clear(self) -> bool:
         """Whether no point of the outline lies inside by more than :data:`DEPTH`, and the object not in the finger."""
-        return self.penetration_bound <= DEPTH and not self.engulfed
+        return self.penetration_bound <= DEPTH and not self.engulfed and not self.sunken
 
 
 def survey(setting: Setting, obstacle: Obstacle, state: State) -> Survey:
@@ -93,13 +102,14 @@ def survey(setting: Setting, obstacle: Obstacle, state: State) -> Survey:
     first = pieces = _whole(setting, state)
     proved, engulfed, worst, nearest = True, False, np.inf, np.inf
     inside: list[tuple[int, float, float]] = []
-    gaps = np.empty((2, 0))
+    gaps, sunken = np.empty((2, 0)), ()
     total = 0
     for round_ in range(_ROUNDS):
         ends = _Ends.of(setting, obstacle, axis, pieces)
         total += len(pieces.u0)
         if round_ == 0:
-            gaps, engulfed = ends.g, _engulfed(obstacle, pieces, ends.points[0])
+            gaps, engulfed = ends.g, _engulfed(setting, obstacle, pieces, ends.points[0])
+            sunken = _sunken_corners(setting, obstacle, axis, pieces, ends.points[0])
         depths = ends.g / ends.steepness
         nearest = min(nearest, float(depths.min()))
         lower, sure = _lower_bound(obstacle, arc, pieces, ends)
@@ -118,7 +128,8 @@ def survey(setting: Setting, obstacle: Obstacle, state: State) -> Survey:
             break
         pieces = pieces.take(open_).cut(_CUT)
     worst = min(worst, min((depth for *_, depth in inside), default=np.inf))
-    return Survey(nearest, max(0.0, -float(worst)), proved, _deepest(inside), first, gaps, engulfed)
+    least = float(worst)
+    return Survey(nearest, max(0.0, -least), proved, _deepest(inside), first, gaps, engulfed, sunken, least)
 
 
 @dataclass(frozen=True, eq=False)
@@ -221,10 +232,41 @@ def _deepest(inside: list[tuple[int, float, float]]) -> tuple[tuple[int, float],
     return tuple((piece, u) for piece, u, _ in found)
 
 
-def _engulfed(obstacle: Obstacle, pieces: Pieces, points: Complex) -> bool:
+def _engulfed(setting: Setting, obstacle: Obstacle, pieces: Pieces, points: Complex) -> bool:
     """Whether the object's inner point lies within the finger: then its outline may be clear and yet all is wrong."""
     inner = obstacle.inner_point
     if not np.isfinite(inner):
         return False
-    polygon = np.concatenate([points[pieces.piece == LOWER], points[pieces.piece == UPPER][::-1]])
-    return bool(np.sum(crossings(inner, polygon)) % 2)
+    polygons = [np.concatenate([points[pieces.piece == LOWER], points[pieces.piece == UPPER][::-1]])]
+    jaw = [i for i, piece in enumerate(setting.outline.pieces) if piece.on == "jaw"]
+    if jaw:
+        polygons.append(points[np.isin(pieces.piece, jaw)])
+    return any(bool(np.sum(crossings(inner, polygon)) % 2) for polygon in polygons)
+
+
+def _sunken_corners(
+    setting: Setting, obstacle: Obstacle, axis: Axis, pieces: Pieces, points: Complex
+) -> tuple[tuple[int, float], ...]:
+    """Corners of the object that lie deeper than :data:`DEPTH` behind the nearest piece of the outline."""
+    corners = obstacle.corners
+    if not len(corners):
+        return ()
+    distance = np.abs(corners[:, None] - points[None, :])
+    nearest = np.argmin(distance, axis=1)
+    close = np.flatnonzero(distance[np.arange(len(corners)), nearest] < _CLOSE)
+    if not len(close):
+        return ()
+    piece, segment, u = pieces.piece[nearest[close]], pieces.segment[nearest[close]], pieces.u0[nearest[close]]
+    ends = np.array([p.length for p in setting.outline.pieces])[piece]
+    for _ in range(_FEET):
+        place, tangent, _ = setting.outline.trace(axis, piece, u, segment)
+        along = (tangent.conj() * (corners[close] - place)).real / np.abs(tangent) ** 2
+        u = np.clip(u + along, 0.0, ends)
+        face = piece <= UPPER
+        segment = np.where(face, axis.beam.segment_of(u * face), segment)
+    place, tangent, _ = setting.outline.trace(axis, piece, u, segment)
+    inward = 1j * tangent / np.abs(tangent) * np.where(piece == UPPER, -1.0, 1.0)
+    height = dot(place - corners[close], inward)
+    half = setting.sections.thickness(np.where(piece <= UPPER, u, 1.0)) / 2
+    inside = (height < -DEPTH) & (height > -half) & (u > 0) & (u < ends)
+    return tuple(zip(piece[inside].tolist(), u[inside].tolist(), strict=True))

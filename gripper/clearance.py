@@ -29,6 +29,8 @@ def clearance(setting: Setting, verified: Verified) -> float:
 def distances(obstacle: Obstacle, points: Complex) -> Array:
     """Distances of points outside to the object, by L: to the feet of the normals, found by Newton's method."""
     g, normal = obstacle.slope(points)
+    if np.all(np.abs(np.abs(normal) - 1) < 1e-9):
+        return g  # g is the distance itself
     estimate = g / np.maximum(np.abs(normal), 1e-12)
     foot = points - estimate * normal / np.maximum(np.abs(normal), 1e-12)
     for _ in range(_FEET):

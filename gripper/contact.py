@@ -8,7 +8,8 @@ A contact's place is an unknown of its own and moves between nodes. Its kinds:
 ``vertex``   a corner of the object on a face or an edge: signed distance 0 at the foot of the normal;
 ``patch``    with shear, a smooth object is touched over [a, b], because gamma drops to zero behind a force: the
              pressure is a polynomial, the gap's moments against it vanish, and so does the gap at both ends;
-``tail``     a patch that has run to the tip, where the tip's corner carries the rest: its far end is s = L.
+``tail``     a patch whose far end is known: the tip, where the tip's corner carries the rest, or, where the finger lies
+             flush on a flat, a place so far that the pressure has decayed.
 
 Where gamma jumps at a concentrated force, "the" tangent of the face is the mean of both sides: this is what makes
 the energy stationary in the place of the force (configurational balance).
@@ -16,23 +17,25 @@ the energy stationary in the place of the force (configurational balance).
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
 from gripper.arrays import Array, Complex, Index
-from gripper.beam import Beam
+from gripper.beam import Beam, legendre
 from gripper.grip import Grip
 from gripper.obstacle import Obstacle
 from gripper.outline import UPPER, Axis, Outline, Stations, dot, second_derivative
 from gripper.rubbing import Rubbing, rub
 
 Kind = Literal["tangent", "corner", "node", "vertex", "patch", "tail"]
-PRESSURES = 2  # pressure modes of a patch: constant and linear
-_GAUSS_X, _GAUSS_W = np.polynomial.legendre.leggauss(6)
-_PRESSURE = np.stack([np.ones(6), _GAUSS_X])[:PRESSURES]  # (modes, 6)
-_MEAN = _PRESSURE * _GAUSS_W / 2
+NARROW, WIDE = 2, 8
+"""Fewest and most pressure modes of a patch: short, or long, against the length over which shear decays."""
+_CUTS = {6: (0.35,), 8: (0.12, 0.35)}
+# parts of a patch with many modes where its segments end: strains of order p carry pressures of order p - 1, and the
+# pressure decays from the near end
 _AT_BREAK = 0.02  # a force this near to a break is the break's own: its segments were cut there
 
 
@@ -44,13 +47,14 @@ class Site:
     piece: int
     place: tuple[float, ...]
     vertex: int = -1
+    modes: int = 1  # of its pressure
     grip: Grip | None = None
     """How it holds; None without friction."""
 
     @property
     def multipliers(self) -> int:
         """How many multipliers the contact has."""
-        return PRESSURES if self.kind in ("patch", "tail") else 1
+        return self.modes
 
     @property
     def unknown_places(self) -> int:
@@ -81,14 +85,17 @@ class Site:
     def moved(self, coordinates: Array) -> Site:
         """The same contact at other values of its unknowns."""
         places = tuple(map(float, coordinates[: self.unknown_places]))
-        site = replace(self, place=(*places, 1.0) if self.kind == "tail" else places) if places else self
+        site = replace(self, place=(*places, self.place[1]) if self.kind == "tail" else places) if places else self
         if self.grip is None or not self.grip.unknown:
             return site
         return replace(site, grip=replace(self.grip, ratio=float(coordinates[-1])))
 
     def breaks(self) -> tuple[float, ...]:
         """Where the strains have kinks because of it."""
-        return self.place if self.on_face else ()
+        if not self.on_face or self.modes not in _CUTS:
+            return self.place if self.on_face else ()
+        a, b = self.place
+        return (a, *(a + cut * (b - a) for cut in _CUTS[self.modes]), b)
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,12 +142,12 @@ def linearise(
     """
     if not sites:
         return _nothing(beam.size)
-    queries = [_places(site) for site in sites]
+    queries = [_places(site, beam.order) for site in sites]
     u = np.concatenate(queries)
     piece = np.concatenate([np.full(len(q), site.piece) for site, q in zip(sites, queries, strict=True)])
     axis = Axis.of(beam, z)
     stations = _stations(axis, outline, piece, u, sites, queries, kinks)
-    system = System(beam.size, sites, stations, obstacle)
+    system = System(beam, sites, stations, obstacle)
     first = row = column = 0
     for site, places in zip(sites, queries, strict=True):
         span = slice(first, first + len(places))
@@ -170,12 +177,22 @@ def _nothing(size: int) -> Linearisation:
     )
 
 
-def _places(site: Site) -> Array:
+@functools.cache
+def pressure_rule(modes: int, order: int) -> tuple[Array, Array]:
+    """Gauss points (q,) of a patch on [-1, 1], and the pressure modes' mean values over it (modes, q).
+
+    More points than the strains have modes: these would resolve the single points else.
+    """
+    x, weights = np.polynomial.legendre.leggauss(max(modes + 4, order + 3))
+    return x, legendre(x, modes).T * weights / 2
+
+
+def _places(site: Site, order: int) -> Array:
     """Where the outline is evaluated for a contact."""
     if site.kind not in ("patch", "tail"):
         return np.array(site.place or (0.0,))
     a, b = site.place
-    gauss = (a + b) / 2 + (b - a) / 2 * _GAUSS_X
+    gauss = (a + b) / 2 + (b - a) / 2 * pressure_rule(site.modes, order)[0]
     return np.append(gauss, site.place[: site.unknown_places])
 
 
@@ -185,6 +202,10 @@ def _stations(
     beam = axis.beam
     left, right = [], []
     for site, places in zip(sites, queries, strict=True):
+        if site.modes in _CUTS:
+            inner = beam.segment_of(places - 1e-12).tolist()
+            left, right = left + inner, right + inner
+            continue
         before, after = _segments(beam, site, kinks)
         left += [before] * len(places)
         right += [after] * len(places)
@@ -211,7 +232,8 @@ def _segments(beam: Beam, site: Site, kinks: bool) -> tuple[int, int]:
 class System:
     """The arrays of a linearisation while its contacts are written into them."""
 
-    def __init__(self, size: int, sites: tuple[Site, ...], stations: Stations, obstacle: Obstacle) -> None:
+    def __init__(self, beam: Beam, sites: tuple[Site, ...], stations: Stations, obstacle: Obstacle) -> None:
+        size, self.order = beam.size, beam.order
         m, k, q = sum(s.multipliers for s in sites), sum(s.unknowns for s in sites), len(stations.points)
         self.layout: list[tuple[slice, int, int]] = []  # of each site: its queries, first row, first column
         self.sites, self.stations, self.obstacle = sites, stations, obstacle
@@ -240,6 +262,10 @@ class System:
         self.extra = np.zeros((size, size))
         self.force_gradient = np.zeros(size, dtype=complex)
         self.force_multipliers, self.force_places = np.zeros(m, dtype=complex), np.zeros(k, dtype=complex)
+
+    def rule(self, site: Site) -> tuple[Array, Array]:
+        """Where a patch is evaluated, on [-1, 1], and its pressure modes there."""
+        return pressure_rule(site.modes, self.order)
 
     def _curved(self, vectors: Complex) -> Complex:
         """The object's Hessian times vectors."""
@@ -277,16 +303,17 @@ class System:
 
     def add_patch(self, site: Site, span: slice, row: int, column: int, load: Array) -> None:
         """Pressure over [a, b]: the gap's moments vanish, and the gap at the free ends."""
-        gauss = slice(span.start, span.start + _GAUSS_X.size)
-        rows = slice(row, row + PRESSURES)
-        forces = load @ _MEAN
-        self.values[rows], self.gradients[rows] = _MEAN @ self.gap[gauss], _MEAN @ self.pressing[gauss]
-        self.value_rates[rows] = _MEAN @ self.gap_rate[gauss]
+        x, mean = self.rule(site)
+        gauss = slice(span.start, span.start + x.size)
+        rows = slice(row, row + site.modes)
+        forces = load @ mean
+        self.values[rows], self.gradients[rows] = mean @ self.gap[gauss], mean @ self.pressing[gauss]
+        self.value_rates[rows] = mean @ self.gap_rate[gauss]
         self._load(gauss, forces)
-        self.force_multipliers[rows] = _MEAN @ self.normal[gauss]
-        for end, shift in zip(range(site.unknown_places), ((1 - _GAUSS_X) / 2, (1 + _GAUSS_X) / 2), strict=False):
+        self.force_multipliers[rows] = mean @ self.normal[gauss]
+        for end, shift in zip(range(site.unknown_places), ((1 - x) / 2, (1 + x) / 2), strict=False):
             i, at = gauss.stop + end, column + end
-            self.value_slopes[rows, at] = _MEAN @ (shift * self.slope[gauss])
+            self.value_slopes[rows, at] = mean @ (shift * self.slope[gauss])
             self.load_slopes[:, at] = (forces * shift) @ self.sliding[gauss]
             self.force_places[at] = (forces * shift) @ self.bent[gauss]
             self.residuals[at], self.residual_gradients[at] = self.gap[i], self.pressing[i]
@@ -317,13 +344,13 @@ class System:
         self.residuals[column], self.residual_gradients[column] = along, pass_by + height * turn_z
         self.residual_slopes[column, column] = stretch + height * turn_u
         self.residual_rates[column] = -slipping
-        self.load_slopes[:, column] = -force * side * turn_u * pass_by
+        self.load_slopes[:, column] = -force * side * turn_u * (pass_by + height * turn_z)
         self.load_rates += force * side * slipping * turn_z
         self.pull[i] = force * n
         self.force_multipliers[row], self.force_places[column] = n, -force * side * turn_u * t
         self.force_gradient -= force * side * t * turn_z
         mixed = np.outer(pass_by, turn_z)
-        self.extra -= force * side * (mixed + mixed.T)
+        self.extra -= force * side * (mixed + mixed.T + height * np.outer(turn_z, turn_z))
         self.corners[i] = n, turn_z, turn_u
 
     def linearisation(self, hessian: Array, queries: list[Array]) -> Linearisation:

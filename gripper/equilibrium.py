@@ -27,8 +27,8 @@ from gripper.sections import Sections
 
 _ITERATIONS = 20
 _CONVERGED = 1e-6  # last step, relative: the next one, of second order, would be round-off
+_ROUND_OFF = 1e-9  # relative: what must then be left of the forces
 _NARROWEST = 1e-8  # of L: breaks nearer than this are one
-_BALANCED = 1e-9  # relative
 _FITTED = 1e-7  # of L, or of a patch: segments end at contacts to within this
 _NEAR = 0.1  # of L: breaks that move less are the same breaks
 _NO_STRAIN = 1e-8  # |z| below which steps are judged by their own size: round-off of the gap moves z by 1e-16
@@ -207,7 +207,7 @@ def settle(setting: Setting, obstacle: Obstacle, state: State, order: int) -> Eq
             state = state.on(setting.beam(state.sites, order))
         lin = linearise(state.beam, state.z, setting.outline, obstacle, state.sites, state.multipliers)
         state = anchored(state, lin) if iteration == 0 else state
-        if last < _CONVERGED and _balanced(state, lin):
+        if last < _CONVERGED and (last < _ROUND_OFF or _unbalanced(state, lin) < _ROUND_OFF):
             return Equilibrium(state, obstacle, lin, iteration, way)
         dz, dmultipliers, dplaces = kkt_step(state, lin)
         factor = _shortening(state, dplaces)
@@ -221,10 +221,10 @@ def settle(setting: Setting, obstacle: Obstacle, state: State, order: int) -> Eq
     raise NoEquilibriumError(f"Newton's iteration did not converge in {_ITERATIONS} steps")
 
 
-def _balanced(state: State, lin: Linearisation) -> bool:
-    """Whether the strains balance the loads: cutting the segments anew may have disturbed them a little."""
-    load = lin.loads.T @ state.multipliers
-    return bool(np.linalg.norm(state.z - load) <= _BALANCED * (np.linalg.norm(load) + _NO_STRAIN))
+def _unbalanced(state: State, lin: Linearisation) -> float:
+    """What is left of the stationarity condition, relative."""
+    left = float(np.linalg.norm(state.z - lin.loads.T @ state.multipliers))
+    return left / (float(np.linalg.norm(state.z)) + _NO_STRAIN)
 
 
 def _unloaded(setting: Setting, obstacle: Obstacle, order: int) -> Equilibrium:

@@ -9,7 +9,7 @@ from typing import Literal, Protocol
 import numpy as np
 from scipy.optimize import brentq
 
-from gripper.assemble import Problem, near
+from gripper.assemble import least_gap
 from gripper.certificate import survey
 from gripper.contact import Kind, Site
 from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, settle
@@ -85,10 +85,7 @@ def first_touch(setting: Setting, path: Path, old: Along, new: Along) -> float:
 
     def least(parameter: float) -> float:
         obstacle = setting.obstacle(path.frame(parameter))
-        found = survey(setting, obstacle, state)
-        candidates = near(setting, obstacle, state, found, max(found.min_gap, 0.0) + 0.05)
-        gaps = Problem(setting, obstacle, state, candidates).gaps(np.zeros(state.beam.size))
-        return float(np.min(gaps, initial=1.0))
+        return least_gap(setting, obstacle, state, survey(setting, obstacle, state))
 
     return _bracketed(least, old.parameter, new.parameter)
 
@@ -211,7 +208,7 @@ def _pointed(setting: Setting, equilibrium: Equilibrium, i: int, order: int) -> 
         return equilibrium
     state = equilibrium.state
     first = sum(s.multipliers for s in state.sites[:i])
-    sites = (*state.sites[:i], replace(site, kind="tangent", place=(site.middle,)), *state.sites[i + 1 :])
+    sites = (*state.sites[:i], replace(site, kind="tangent", place=(site.middle,), modes=1), *state.sites[i + 1 :])
     multipliers = np.delete(state.multipliers, range(first + 1, first + site.multipliers))
     return settle(setting, equilibrium.obstacle, State(state.beam, state.z, sites, multipliers), order)
 

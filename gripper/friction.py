@@ -62,7 +62,7 @@ class Friction:
         if isinstance(given, Mapping):
             if set(given) != {"finger", "jaw"}:
                 raise ValueError(f"coefficient must have the keys finger and jaw; got {', '.join(map(str, given))!r}")
-            object.__setattr__(self, "coefficient", Coefficients(finger=given["finger"], jaw=given["jaw"]))  # type: ignore[arg-type]
+            object.__setattr__(self, "coefficient", Coefficients(finger=given["finger"], jaw=given["jaw"]))
         elif not isinstance(given, Coefficients):
             Coefficients(finger=given, jaw=0.0)  # checks it
         if self.model not in get_args(Model):
@@ -73,7 +73,7 @@ class Friction:
     @property
     def finger(self) -> float | sympy.Expr:
         """Mu on the finger."""
-        return self.coefficient.finger if isinstance(self.coefficient, Coefficients) else self.coefficient  # type: ignore[return-value]
+        return self.coefficient.finger if isinstance(self.coefficient, Coefficients) else self.coefficient
 
     def on_jaw(self, length: float) -> float:
         """Mu on the jaw; length is the finger's, in m."""
@@ -81,7 +81,7 @@ class Friction:
             return self.coefficient.jaw
         return float(self.along(np.array([length]))[0])
 
-    def along(self, s: np.ndarray) -> np.ndarray:  # type: ignore[type-arg]
+    def along(self, s: np.ndarray) -> np.ndarray:
         """Mu at places of the finger (n,), in m: (n,)."""
         mu = sympy.sympify(self.finger)
         symbols = sorted(mu.free_symbols, key=str)

@@ -341,7 +341,7 @@ class FrictionTracker(Tracker):
 def holds(equilibrium: Equilibrium) -> list[tuple[Feature, str | None]]:
     """What touches and how it holds."""
     sites = equilibrium.state.sites
-    return [(feature, sites[i].grip.hold if sites[i].grip else None) for feature, i in features(sites).items()]
+    return [(feature, getattr(sites[i].grip, "hold", None)) for feature, i in features(sites).items()]
 
 
 def _kinds(equilibrium: Equilibrium) -> list[str]:

@@ -44,10 +44,11 @@ class Law:
 
     def __init__(self, finger: float | sympy.Expr, jaw: float, outline: Outline, length: float, tipward: int) -> None:
         self.jaw, self.outline, self.tipward = jaw, outline, tipward
-        self._varies = isinstance(finger, sympy.Expr) and bool(finger.free_symbols)
-        self._constant = 0.0 if self._varies else float(finger)
+        expression = sympy.sympify(finger)
+        self._varies = bool(expression.free_symbols)
+        self._constant = 0.0 if self._varies else float(expression)
         if self._varies:
-            along = sympy.sympify(finger).subs({symbol: S * length for symbol in finger.free_symbols})
+            along = expression.subs({symbol: S * length for symbol in expression.free_symbols})
             self._function: Callable[[float], list[float]] = sympy.lambdify([S], [along, sympy.diff(along, S)], "math")
 
     def at(self, piece: int, u: float) -> tuple[float, float]:

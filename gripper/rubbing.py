@@ -18,8 +18,6 @@ from gripper.outline import UPPER, Outline, dot
 if TYPE_CHECKING:
     from gripper.contact import Site, System
 
-_GAUSS_X, _GAUSS_W = np.polynomial.legendre.leggauss(6)
-
 
 @dataclass(frozen=True, eq=False)
 class Rubbing:
@@ -69,9 +67,8 @@ class _Rubbed:
         self.span, self.row, self.column = system.layout[number]
         site: Site = self.site
         self.u = u[self.span]
-        wide = site.kind in ("patch", "tail")
-        self.weights = np.zeros(len(self.u))
-        self.weights[: 6 if wide else 1] = _GAUSS_W / 2 if wide else 1.0
+        self.modes = self._modes()
+        self.weights = self.modes[0]
         self.moves = self._moves()  # d(u of each query)/d(place), (queries, unknown places)
         middle = float(self.weights @ self.u)
         self.ratio, self.steepening = site.grip.ratios(site.piece, middle) if site.grip else (0.0, 0.0)
@@ -93,8 +90,8 @@ class _Rubbed:
     def _moves(self) -> Array:
         moves = np.zeros((len(self.u), self.site.unknown_places))
         if self.site.kind in ("patch", "tail"):
-            ends = np.column_stack([(1 - _GAUSS_X) / 2, (1 + _GAUSS_X) / 2])
-            moves[:6] = ends[:, : self.site.unknown_places]
+            x = self.system.rule(self.site)[0]
+            moves[: x.size] = np.column_stack([(1 - x) / 2, (1 + x) / 2])[:, : self.site.unknown_places]
         elif self.site.unknown_places:
             moves[0] = 1.0
         return moves
@@ -110,7 +107,7 @@ class _Rubbed:
         self.force = force = self._forces()
         system, rho, column = self.system, self.ratio, self.column
         count = self.site.multipliers
-        modes = self._modes()
+        modes = self.modes
         rows, columns = slice(self.row, self.row + count), slice(column, column + self.site.unknown_places)
         system.loads[rows] += rho * (modes @ self.pushed)
         system.force_multipliers[rows] += rho * (modes @ self.rubs)
@@ -132,7 +129,8 @@ class _Rubbed:
         """Normal force at each query of each multiplier, (multipliers, queries)."""
         modes = np.zeros((self.site.multipliers, len(self.u)))
         if self.site.kind in ("patch", "tail"):
-            modes[:, :6] = np.stack([np.ones(6), _GAUSS_X])[: self.site.multipliers] * _GAUSS_W / 2
+            x, mean = self.system.rule(self.site)
+            modes[:, : x.size] = mean
         else:
             modes[0, 0] = 1.0
         return modes
@@ -179,16 +177,16 @@ class _Rubbed:
         way = float(self.weights @ self.u) - anchor.u if self.site.unknown_places else 0.0
         stretch = (anchor.stretch + float(self.weights @ lengths)) / 2
         point = complex(self.weights @ points)
-        system.residuals[at] = dot(tangent, point - start) - side * way * stretch
+        system.residuals[at] = (tangent.conjugate() * (point - start)).real - side * way * stretch
         row = (tangent.conjugate() * (self.weights @ self.gradients)).real
         units = tangents.conj() / np.where(lengths > 0, lengths, 1.0)
         stretching = (units[:, None] * stations.tangent_gradients[self.span]).real
         system.residual_gradients[at] = row - side * way / 2 * (self.weights @ stretching)
         thinning = (units * stations.curvatures[self.span]).real
-        each = dot(tangent, tangents) - side * stretch - side * way / 2 * thinning
+        each = (tangent.conjugate() * tangents).real - side * stretch - side * way / 2 * thinning
         columns = slice(self.column, self.column + self.site.unknown_places)
         system.residual_slopes[at, columns] = (self.weights * each) @ self.moves
-        system.residual_rates[at] = -dot(tangent, system.obstacle.velocities(np.array([point]))[0])
+        system.residual_rates[at] = -(tangent.conjugate() * system.obstacle.velocities(np.array([point]))[0]).real
 
     @property
     def anchor(self) -> Anchor:

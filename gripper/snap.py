@@ -13,7 +13,7 @@ from gripper.equilibrium import NoEquilibriumError, Setting, State
 from gripper.obstacle import Obstacle
 from gripper.outline import Axis
 
-_STEPS = 400
+_STEPS = 150
 _LONGEST = 0.02  # of L: no point of the axis moves further in a step, so that nothing is passed through
 _REST = 1e-6  # of L: the finger has come to rest
 _MARKS = np.linspace(0.125, 1.0, 8)

@@ -7,10 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from gripper.active import Verified, untouched
 from gripper.answer import Answer, pose_result
 from gripper.assemble import first_order, law, left_out, setting
 from gripper.certificate import survey
-from gripper.equilibrium import NoEquilibriumError, Setting, State
+from gripper.equilibrium import NoEquilibriumError, Setting, State, settle
 from gripper.frictional import tracker_for
 from gripper.kinematics import Kinematics, Placement, Retreat
 from gripper.locking import LockedError, check_locked
@@ -79,8 +80,9 @@ def approach(fixed: Setting, final: Frame, direction: tuple[float, float], order
     pace = min(max(0.5 * fixed.body.inner_radius / fixed.sections.length, 0.01), 0.1)
     back = 0.0
     while True:
-        found = survey(fixed, fixed.obstacle(path.frame(-back)), straight)
-        if found.clear:
+        free = settle(fixed, fixed.obstacle(path.frame(-back)), straight, order)
+        found = survey(fixed, free.obstacle, free.state)
+        if untouched(fixed, Verified(free, found)):
             break
         if back > _FURTHEST:
             raise NoEquilibriumError(

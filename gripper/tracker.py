@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from gripper.active import Verified, find, settle_contacts, verify
+from gripper.active import Verified, find, settle_contacts, untouched, verify
 from gripper.answer import Answer, discretisation_error
-from gripper.certificate import survey
+from gripper.certificate import DEPTH, survey
 from gripper.clearance import clearance
 from gripper.contact import Site
 from gripper.equilibrium import NoEquilibriumError, Setting, State, settle
@@ -20,7 +20,8 @@ from gripper.snap import descend, distance
 
 _LONGEST = 0.1  # of L
 _SHALLOW = 0.02  # of L: how deep a sharp corner may sink before the first contact is looked for
-_SHORTEST = 1e-7  # of L: where steps this short do not succeed, there is no equilibrium to follow
+_SHORTEST = 1e-6  # of L: where steps this short do not succeed, there is no equilibrium to follow
+_PATIENCE = 25  # steps that may fail on the way to a pose
 _HIGHEST_ORDER = 14
 _TURNS = 8  # parts in which a step's path is measured
 
@@ -52,7 +53,7 @@ class Tracker:
         self.changes: list[Change] = []
         self.iterations = 0
         self.current = self._free(parameter)
-        if not self.current.survey.clear:
+        if not untouched(setting, self.current):
             raise NoEquilibriumError("the straight finger is not free of the object at the start")
 
     @classmethod
@@ -73,7 +74,8 @@ class Tracker:
         NoEquilibriumError
             Where no equilibrium could be followed that far; the tracker stays at the last one it found.
         """
-        self.iterations = 0
+        self._refuse_at_clamp(target)
+        self.iterations = failures = 0
         bound = np.inf
         while self.parameter != target:
             following = self._within(target, bound)
@@ -81,11 +83,27 @@ class Tracker:
                 self._step(following)
                 bound = min(2 * bound, np.inf)
             except NoEquilibriumError as error:
+                failures += 1
+                if failures > _PATIENCE:
+                    raise NoEquilibriumError(f"{error} ({failures} steps have failed on the way)") from error
                 bound = self._travel(self.parameter, following) / 2
                 if bound < _SHORTEST:
                     self._snap(following, error)
                     bound = 1e-3
         return self._refined()
+
+    def _refuse_at_clamp(self, parameter: float) -> None:
+        """No bending frees a finger of an object that lies on its clamp.
+
+        Raises
+        ------
+        NoEquilibriumError
+            Where the clamped section lies in the object.
+        """
+        half = float(self.setting.sections.thickness(np.zeros(1))[0]) / 2
+        obstacle = self.setting.obstacle(self.path.frame(parameter))
+        if float(np.min(obstacle.gap(np.array([-1j, 0j, 1j]) * half))) < -DEPTH:
+            raise NoEquilibriumError("the object lies on the clamp")
 
     def _within(self, target: float, bound: float) -> float:
         """The furthest parameter towards the target that the next step may reach."""
@@ -134,7 +152,7 @@ class Tracker:
     def _step(self, following: float) -> None:
         if not self.sites:
             free = self._free(following)
-            if free.survey.clear:
+            if untouched(self.setting, free):
                 self.parameter, self.current = following, free
                 return
             self._accept(following, self._touched(following))

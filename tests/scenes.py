@@ -16,6 +16,7 @@ from gripper_plugins.fingers.uniform import Uniform
 from gripper_plugins.jaws.triangle import Triangle
 from gripper_plugins.objects.circle import Circle
 from gripper_plugins.objects.ellipse import Ellipse
+from scipy.spatial import cKDTree
 
 import gripper as gr
 from gripper.assemble import setting
@@ -122,28 +123,41 @@ def outlines(scene: gr.Scene, solved: Solved) -> list[np.ndarray]:
 def deepest_cut(scene: gr.Scene, solved: Solved) -> float:
     """How deep finger and object lie in each other, by L: two polygons, their chords within 1e-7 of the outlines."""
     lower, upper = faces(solved)
-    bodies = [np.concatenate([lower, upper[::-1]])]
+    bodies = [(np.concatenate([lower, upper[::-1]]), False)]  # the clamped section is no part of the outline
     if (hook := jaw(solved)) is not None:
-        bodies.append(_dense(hook))
+        bodies.append((hook, True))
     deepest = 0.0
     for line in outlines(scene, solved):
-        target = _dense(line[:-1]) if len(line) < 100 else line[:-1]
-        for body in bodies:
-            deepest = max(deepest, _depth(body, target), _depth(target, body))
+        for body, closed in bodies:
+            cut = deepest_within(body, line[:-1], closed=closed)
+            deepest = max(deepest, cut, deepest_within(line[:-1], body))
     return deepest
 
 
-def _dense(corners: np.ndarray) -> np.ndarray:
-    """A polygon with points along its edges."""
-    steps = np.linspace(0, 1, 200, endpoint=False)
-    return (corners[:, None] + (np.roll(corners, -1) - corners)[:, None] * steps).ravel()
+def dense(ring: np.ndarray, *, closed: bool = True) -> np.ndarray:
+    """A polygon's vertices with points along its long edges."""
+    edges = np.roll(ring, -1) - ring
+    edges[-1] *= closed
+    counts = np.maximum(1, np.ceil(np.abs(edges) / np.abs(edges).sum() * 400)).astype(int)
+    first = np.repeat(np.cumsum(counts) - counts, counts)
+    steps = (np.arange(counts.sum()) - first) / np.repeat(counts, counts)
+    return np.repeat(ring, counts) + np.repeat(edges, counts) * steps
 
 
-def _depth(points: np.ndarray, ring: np.ndarray) -> float:
-    """How deep points lie within a ring."""
+def deepest_within(points: np.ndarray, ring: np.ndarray, *, closed: bool = True) -> float:
+    """How deep the deepest of points (n,), x + iy, and those on the edges between lies within a closed ring (m,)."""
+    points, ring = dense(points, closed=closed), dense(ring)
     polygon = shapely.Polygon(np.column_stack([ring.real, ring.imag]))
     shapely.prepare(polygon)
     within = points[shapely.contains_xy(polygon, points.real, points.imag)]
     if not within.size:
         return 0.0
-    return float(shapely.distance(shapely.points(within.real, within.imag), polygon.exterior).max())
+    _, nearest = cKDTree(np.column_stack([ring.real, ring.imag])).query(np.column_stack([within.real, within.imag]))
+    sides = [(ring[(nearest + i - 1) % ring.size], ring[(nearest + i) % ring.size]) for i in (0, 1)]
+    return float(np.min([_to_edge(within, a, b) for a, b in sides], axis=0).max())
+
+
+def _to_edge(points: np.ndarray, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    edge = b - a
+    along = np.clip(((points - a) * edge.conj()).real / np.abs(edge) ** 2, 0, 1)
+    return np.abs(points - a - along * edge)

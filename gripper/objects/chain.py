@@ -16,8 +16,8 @@ from gripper.objects.formulas import Span
 FINENESS = 5e-4  # chords to search among are within this part of the chain's size of the curve
 FEW = 256  # chords up to which comparing all of them beats a tree (measured: 20 to 200 points)
 STRAIGHT = 1e-9  # rad: a smaller turn is no corner
-NEWTON_STEPS = 12
-SETTLED = 1e-9  # a Newton step below it leaves an error below rounding
+NEWTON_STEPS = 40  # three do, but near the evolute, deep inside
+SETTLED = 1e-7  # the error after a Newton step is about the square of it
 
 Indices = NDArray[np.intp]
 
@@ -130,7 +130,7 @@ class Chain:
         piece = self.piece[chord]
         t = self.t0[chord] + (self.t1 - self.t0)[chord] * along
         if self.curved:
-            piece, t = self._foot(points[owner], piece, t)
+            piece, t = self._foot(points[owner], piece, t, (self.t1 - self.t0)[chord])
             if len(owner) > len(points):
                 distance = np.linalg.norm(points[owner] - self.at(piece, t), axis=1)
                 first = np.searchsorted(owner, np.arange(len(points)))
@@ -175,11 +175,11 @@ class Chain:
             owner, chord = np.arange(len(points)), squares.argmin(axis=1)
         return owner, chord, along[owner, chord]
 
-    def _foot(self, points: Array, piece: Indices, t: Array) -> tuple[Indices, Array]:
-        """Newton on the foot condition from a start nearby, on to the next piece where the joint is smooth."""
+    def _foot(self, points: Array, piece: Indices, t: Array, reach: Array) -> tuple[Indices, Array]:
+        """Find the foot by Newton's steps of at most ``reach`` in t, on to the next piece where the joint is smooth."""
         for _ in range(NEWTON_STEPS):
             step = self.span.step(points, t, self.coefficients[piece])
-            moved_piece, moved = self._walk(piece, t + np.minimum(np.maximum(step, -0.25), 0.25))
+            moved_piece, moved = self._walk(piece, t + np.minimum(np.maximum(step, -reach), reach))
             settled = bool((np.abs(moved - t) < SETTLED).all())
             piece, t = moved_piece, moved
             if settled:

@@ -15,6 +15,7 @@ T = sympy.Symbol("t", real=True)
 
 # F_t is -|q'|^2 (1 + kappa g): zero on the evolute, deep inside, where the distance has no Hessian
 LEAST = 1e-6
+CONVEX = 0.02
 
 
 class Span:
@@ -44,8 +45,8 @@ class Span:
         self.curvature = (dx * sympy.diff(dy, T) - dy * sympy.diff(dx, T)) / speed**3
         self.speed = speed
         self.derivatives = Derivatives(g, normal, (n_t[0] * t_x, n_t[0] * t_y, n_t[1] * t_y), (T, *self.c))
-        # a Gauss-Newton step where the distance is not convex in t
-        self._step = compiled((X, Y, T, *self.c), (foot / -sympy.Min(sympy.diff(foot, T), -(speed**2) / 4),))
+        convex = sympy.Min(sympy.diff(foot, T), -CONVEX * speed**2)  # where the distance is not convex in t: downhill
+        self._step = compiled((X, Y, T, *self.c), (-foot / convex,))
 
     @staticmethod
     @functools.cache

@@ -1,0 +1,14 @@
+"""A second opinion: two-dimensional finite elements on the user's own scene.
+
+Shares the object's g and the profile with the solver, nothing else. Nothing in the package imports it.
+
+    from gripper.verify import verify
+
+    print(verify(scene))
+"""
+
+from gripper.verify.compare import verify
+from gripper.verify.material import LawName
+from gripper.verify.report import Verification, VerifiedPose
+
+__all__ = ["LawName", "Verification", "VerifiedPose", "verify"]

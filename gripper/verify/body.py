@@ -1,10 +1,10 @@
-"""The finger as a system of equations: clamp, rigid jaw, and one banded linear system."""
+"""The finger as a system of equations: clamp, rigid jaw, and one sparse linear system."""
 
 from __future__ import annotations
 
 import numpy as np
 import scipy.sparse as sparse
-from scipy.linalg import cholesky_banded, solve_banded
+from scipy.sparse.linalg import splu
 
 from gripper.objects import Array
 from gripper.verify.elements import Elements
@@ -17,7 +17,7 @@ Triplets = tuple[Array, Index, Index]
 class Body:
     """Unknowns of a finger: positions of its free nodes, column by column, then shift and angle of a rigid jaw.
 
-    A rigid node stands at tip + shift + R(angle) r. Eliminating it exactly keeps the system banded.
+    A rigid node stands at tip + shift + R(angle) r. It is eliminated exactly.
 
     Parameters
     ----------
@@ -29,16 +29,14 @@ class Body:
 
     def __init__(self, mesh: Mesh, elements: Elements) -> None:
         self.mesh, self.elements = mesh, elements
-        across = len(mesh.nodes[mesh.elements].reshape(-1, 2)) and int(mesh.elements[0, 3] - mesh.elements[0, 0])
         fixed = np.zeros(len(mesh.nodes), dtype=bool)
-        fixed[:across] = True
+        fixed[: mesh.across] = True
         fixed[mesh.rigid] = True
         self._free = np.flatnonzero(~fixed)
         self._pivot = mesh.nodes[mesh.tip]
         self._arms = mesh.nodes[mesh.rigid] - self._pivot
         self.moves_jaw = mesh.rigid.size > 0
         self.size = 2 * self._free.size + 3 * self.moves_jaw
-        self._band = 4 * across + 5
         self.start = np.concatenate([mesh.nodes[self._free].ravel(), np.zeros(3 * self.moves_jaw)])
 
     def positions(self, unknowns: Array) -> Array:
@@ -77,8 +75,8 @@ class Body:
         shape = (2 * len(self.mesh.nodes), self.size)
         return sparse.csr_array((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=shape)
 
-    def banded(self, blocks: list[Triplets], forces: Array, unknowns: Array) -> Array:
-        """The system's matrix in LAPACK's band storage, of the parts of the derivative of all forces.
+    def matrix(self, blocks: list[Triplets], forces: Array, unknowns: Array) -> sparse.csc_array:
+        """The system's matrix, of the parts of the derivative of all forces.
 
         Parameters
         ----------
@@ -93,23 +91,30 @@ class Body:
         values, rows, columns = (np.concatenate(part) for part in zip(*blocks, strict=True))
         whole = sparse.csr_array((values, (rows, columns)), shape=(count, count))
         change = self._map(unknowns)
-        system = (change.T @ whole @ change).tocoo()
-        i, j = system.coords
-        band, width = self._band, 2 * self._band + 1
-        flat = np.bincount((band + i - j) * self.size + j, system.data, width * self.size)
+        system = (change.T @ whole @ change).tocsc()
         if self.moves_jaw:
-            arms = self._turned(unknowns[-1])
-            flat[band * self.size + self.size - 1] -= np.sum(forces[self.mesh.rigid] * arms)
-        return flat.reshape(width, self.size)
+            system[-1, -1] -= np.sum(forces[self.mesh.rigid] * self._turned(unknowns[-1]))
+        return system
 
-    def solve(self, matrix: Array, right: Array) -> Array:
-        """Solve the system, in LAPACK's band storage."""
-        return np.asarray(solve_banded((self._band, self._band), matrix, right, check_finite=False))
 
-    def stable(self, matrix: Array) -> bool:
-        """Whether a symmetric system's matrix is positive definite."""
-        try:
-            cholesky_banded(matrix[: self._band + 1], check_finite=False)
-        except np.linalg.LinAlgError:
-            return False
-        return True
+def solve(matrix: sparse.csc_array, right: Array) -> Array:
+    """Solve a system. SuperLU rather than LAPACK's banded solver: it does not start BLAS threads.
+
+    Raises
+    ------
+    ArithmeticError
+        The matrix is singular.
+    """
+    try:
+        return np.asarray(splu(matrix, permc_spec="MMD_AT_PLUS_A").solve(right))
+    except RuntimeError as error:
+        raise ArithmeticError("the system is singular") from error
+
+
+def positive(matrix: sparse.csc_array) -> bool:
+    """Whether a symmetric matrix is positive definite: the signs of its pivots, taken from the diagonal."""
+    try:
+        factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    except RuntimeError:
+        return False
+    return bool(np.array_equal(factors.perm_r, factors.perm_c) and np.all(factors.U.diagonal() > 0))

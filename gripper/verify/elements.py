@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gripper.objects import Array
 from gripper.verify.material import Law, squared_lengths
@@ -47,6 +48,7 @@ class Elements:
         width = mesh.width(np.einsum("ga,ea->eg", values, mesh.nodes[self.nodes, 0]))
         self._weights = volume * np.outer(w, w).ravel() * width
         self._at_nodes, _ = self._mapped(mesh, (-1.0, 0.0, 1.0))
+        self._gauged = _gauged(mesh)
         dofs = (2 * self.nodes[:, :, None] + np.arange(2)).reshape(len(self.nodes), 18)
         self.rows = np.repeat(dofs, 18, axis=1).ravel()
         self.columns = np.tile(dofs, 18).ravel()
@@ -96,7 +98,21 @@ class Elements:
         return np.stack([np.bincount(at, local[:, :, i].ravel(), self.count) for i in range(2)], axis=1)
 
     def largest_strain(self, positions: Array) -> float:
-        """Largest abs(principal stretch - 1) at the elements' nodes."""
-        deformation = self._deformation(positions, self._at_nodes).reshape(-1, 4)
-        a, b = (np.sqrt(v) for v in squared_lengths(deformation))
+        """Largest abs(principal stretch - 1) at the elements' nodes, away from the corners of clamped ends."""
+        deformation = self._deformation(positions, self._at_nodes)[self._gauged]
+        a, b = (np.sqrt(v) for v in squared_lengths(deformation.reshape(-1, 4)))
         return float(np.max(np.maximum(np.abs((a + b) / 2 - 1), np.abs((a - b) / 2 - 1))))
+
+
+def _gauged(mesh: Mesh) -> NDArray[np.bool_]:
+    """Elements' nodes (e, 9) a quarter of the thickness or more from the clamp and, with a jaw, from the end section.
+
+    At the corners of these the strain has no limit: it grows as the mesh is refined.
+    """
+    ends = [(0.0, 0)] if not mesh.jawed else [(0.0, 0), (mesh.nodes[mesh.tip, 0], mesh.tip - mesh.across // 2)]
+    s = mesh.nodes[mesh.elements, 0]
+    kept = np.ones(s.shape, dtype=bool)
+    for place, first in ends:
+        margin = (mesh.nodes[first + mesh.across - 1, 1] - mesh.nodes[first, 1]) / 4
+        kept &= (s >= margin) if first == 0 else (s <= place - margin)
+    return kept if kept.any() else np.ones(s.shape, dtype=bool)

@@ -32,14 +32,16 @@ class Mesh:
         (n, 2), in m.
     elements
         Nine nodes each (e, 9), nodes across running fastest.
-    columns
-        Of nodes, the clamp's included.
+    across
+        Nodes of a column.
     tip
         The node on the neutral axis at s = L.
+    jawed
+        Whether the finger has a jaw.
     rigid
         Nodes that move as one rigid body; empty without a rigid jaw.
     edges
-        Three nodes each (k, 3), the outline to the right of their sense of travel's left: counter-clockwise.
+        Three nodes each (k, 3), counter-clockwise around finger and jaw.
     part
         Of each edge: an index into `PARTS`, (k,).
     along
@@ -54,8 +56,9 @@ class Mesh:
 
     nodes: Array
     elements: Index
-    columns: int
+    across: int
     tip: int
+    jawed: bool
     rigid: Index
     edges: Index
     part: Index
@@ -129,7 +132,7 @@ def build(finger: Finger, elements: tuple[int, int], jaw: JawKind = "rigid") -> 
         return b(np.minimum(at, L))
 
     return Mesh(
-        nodes, patches, len(s), int(grid[end, n_across]), rigid, *outline.arrays(), size, width
+        nodes, patches, m, int(grid[end, n_across]), polygon is not None, rigid, *outline.arrays(), size, width
     )
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import cmath
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -16,7 +15,7 @@ from gripper.scene import Scene
 
 @dataclass(frozen=True)
 class Frame:
-    """The object's own frame in the clamp's: origin in m, angle in rad."""
+    """A frame in another one, such as the object's in the clamp's: origin in m, angle in rad."""
 
     x: float
     y: float
@@ -24,20 +23,20 @@ class Frame:
 
     @property
     def turn(self) -> Array:
-        """Rotation matrix from the object's axes to the clamp's, (2, 2)."""
+        """Rotation matrix from its axes to the outer ones, (2, 2)."""
         c, s = np.cos(self.angle), np.sin(self.angle)
         return np.array([[c, -s], [s, c]])
 
     def local(self, points: Array) -> Array:
-        """Points (n, 2) of the clamp's frame, in the object's."""
+        """Outer points (n, 2), in this frame."""
         return (points - np.array([self.x, self.y])) @ self.turn
 
     def place(self, points: Array) -> Array:
-        """Points (n, 2) of the object's frame, in the clamp's."""
+        """Points (n, 2) of this frame, in the outer one."""
         return np.asarray(points @ self.turn.T + np.array([self.x, self.y]))
 
     def shifted(self, direction: tuple[float, float], distance: float) -> Frame:
-        """The frame moved along a unit direction of the clamp's frame by a distance in m."""
+        """The frame moved along an outer unit direction by a distance in m."""
         return Frame(self.x + direction[0] * distance, self.y + direction[1] * distance, self.angle)
 
 
@@ -45,23 +44,37 @@ Path = Callable[[float], Frame]
 """From a parameter to the object's frame."""
 
 
-def relative(scene: Scene) -> Path:
-    """The object's frame at a value of the motion's parameter (any value without a motion)."""
+def _world(scene: Scene) -> Callable[[float], tuple[Frame, Frame]]:
+    """The frames of clamp and object in the world, at a value of the motion's parameter."""
     poses = placed(scene.finger).pose, placed(scene.object).pose
-    name = scene.motion.parameter if scene.motion else "q"
-    q = sympy.Symbol(name)
+    q = sympy.Symbol("q")
     raw = [sympy.sympify(value) for pose in poses for value in (pose.x, pose.y, pose.angle)]
-    expressions = [e.subs({symbol: q for symbol in e.free_symbols}) for e in raw]
-    function = sympy.lambdify([q], expressions, "math")
+    function = sympy.lambdify([q], [e.subs({symbol: q for symbol in e.free_symbols}) for e in raw], "math")
+
+    def frames(value: float) -> tuple[Frame, Frame]:
+        numbers = [float(v) for v in function(value)]
+        if not np.all(np.isfinite(numbers)):
+            raise ValueError(f"poses must be finite at every pose; got {numbers} at {value!r}")
+        return Frame(*numbers[:3]), Frame(*numbers[3:])
+
+    return frames
+
+
+def relative(scene: Scene) -> Path:
+    """The object's frame in the clamp's, at a value of the motion's parameter (any value without a motion)."""
+    frames = _world(scene)
 
     def frame(value: float) -> Frame:
-        x, y, angle, xo, yo, turned = (float(v) for v in function(value))
-        if not np.all(np.isfinite([x, y, angle, xo, yo, turned])):
-            raise ValueError(f"poses must be finite at every pose; got {(x, y, angle, xo, yo, turned)} at {value!r}")
-        origin = complex(xo - x, yo - y) * cmath.exp(-1j * angle)
-        return Frame(origin.real, origin.imag, turned - angle)
+        clamp, body = frames(value)
+        x, y = clamp.local(np.array([[body.x, body.y]]))[0]
+        return Frame(float(x), float(y), body.angle - clamp.angle)
 
     return frame
+
+
+def clamp(scene: Scene, value: float) -> Frame:
+    """The clamp's frame in the world."""
+    return _world(scene)(value)[0]
 
 
 def travel(start: Frame, stop: Frame, reach: float) -> float:

@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy.sparse as sparse
 
 from gripper.objects import Array
-from gripper.verify.body import Body
-from gripper.verify.contact import Contact, History, Touch
+from gripper.verify.body import Body, positive, solve
+from gripper.verify.contact import Contact
 from gripper.verify.elements import Elements
 from gripper.verify.material import InvertedError
-from gripper.verify.mesh import Index
 from gripper.verify.motion import Frame
+from gripper.verify.touch import History, Touch
 
 MOST_ITERATIONS = 25
-ACCURACY = 1e-9  # residual over contact forces
+STAGES = ((1 / 256, 0.1), (1 / 16, 0.1), (1.0, 1e-9))
+"""Of the contact's stiffness: its share, and the residual over the contact forces that ends the stage."""
 _SEARCHES = 6
 _DESCENT = 0.8
 
@@ -37,10 +39,6 @@ class Solution:
         All nodes (n, 2), in m.
     touch
         Contact forces.
-    energy
-        Strain energy, in J.
-    matrix
-        The system's matrix, of the last iteration.
     iterations
         How many it took.
     """
@@ -48,8 +46,6 @@ class Solution:
     unknowns: Array
     positions: Array
     touch: Touch
-    energy: float
-    matrix: Array
     iterations: int
 
 
@@ -63,33 +59,45 @@ class System:
         Its parts.
     floor
         What counts as no force, in N: above the round-off of the elements' forces.
+    drag, anchor
+        Stiffness (N/m, on a rigid jaw's angle N m) of springs from the unknowns to an anchor: none by default.
     """
 
     body: Body
     elements: Elements
     contact: Contact
     floor: float
+    drag: Array | None = None
+    anchor: Array | None = None
 
     def residual(
-        self, unknowns: Array, frame: Frame, history: History, frozen: Index | None = None
-    ) -> tuple[Array, Touch, float]:
-        """Forces on the unknowns that are out of balance, the contact forces, and the strain energy."""
+        self, unknowns: Array, frame: Frame, history: History
+    ) -> tuple[Array, Touch]:
+        """Forces on the unknowns that are out of balance, and the contact forces."""
         positions = self.body.positions(unknowns)
-        energy, forces = self.elements.forces(positions)
-        touch = self.contact.touch(positions, frame, history, frozen)
-        forces = forces - self.contact.on_nodes(touch, len(positions))
-        return self.body.reduced(forces, unknowns), touch, energy
+        _, forces = self.elements.forces(positions)
+        touch = self.contact.touch(positions, frame, history)
+        residual = self.body.reduced(forces - touch.on_nodes(len(positions)), unknowns)
+        if self.drag is not None and self.anchor is not None:
+            residual = residual + self.drag * (unknowns - self.anchor)
+        return residual, touch
 
-    def matrix(self, unknowns: Array, touch: Touch) -> Array:
-        """Derivative of the residual, in band storage."""
+    def matrix(self, unknowns: Array, touch: Touch) -> sparse.csc_array:
+        """Derivative of the residual."""
         positions = self.body.positions(unknowns)
         forces, values = self.elements.tangent(positions)
-        forces = forces - self.contact.on_nodes(touch, len(positions))
-        blocks = [(values, self.elements.rows, self.elements.columns), self.contact.derivative(touch)]
-        return self.body.banded(blocks, forces, unknowns)
+        blocks = [(values, self.elements.rows, self.elements.columns), touch.derivative()]
+        matrix = self.body.matrix(blocks, forces - touch.on_nodes(len(positions)), unknowns)
+        return matrix if self.drag is None else (matrix + sparse.diags_array(self.drag)).tocsc()
 
-    def solve(self, start: Array, frame: Frame, history: History, frozen: Index | None = None) -> Solution:
+    def stable(self, solution: Solution) -> bool:
+        """Whether the energy has a minimum there; not decided with friction, where there is no energy."""
+        return self.contact.rough or positive(self.matrix(solution.unknowns, solution.touch))
+
+    def solve(self, start: Array, frame: Frame, history: History) -> Solution:
         """Find the equilibrium next to a start.
+
+        Contact is soft at first and stiffened in stages: its patch is then wide enough for Newton's steps.
 
         Parameters
         ----------
@@ -99,8 +107,6 @@ class System:
             Of the object.
         history
             The last pose.
-        frozen
-            Places that touched in the last pose: the first iteration keeps them, which predicts along the tangent.
 
         Raises
         ------
@@ -109,34 +115,36 @@ class System:
         InvertedError
             Where every step inverts an element.
         """
-        unknowns = start
-        residual, touch, energy = self.residual(unknowns, frame, history, frozen)
-        matrix = self.matrix(unknowns, touch)
-        for iteration in range(1, MOST_ITERATIONS + 1):
-            step = self.body.solve(matrix, -residual)
-            if not np.all(np.isfinite(step)):
-                raise NoSolutionError("the system is singular")
-            predicting = iteration == 1 and frozen is not None
-            slope = None if predicting else float(residual @ step)
+        unknowns, iterations = start, 0
+        for stiffness, accuracy in STAGES:
+            softened = replace(self, contact=self.contact.softened(stiffness))
+            found = softened._newton(unknowns, frame, history, accuracy)
+            unknowns, iterations = found.unknowns, iterations + found.iterations
+            if not found.touch.at.size:
+                break
+        return replace(found, iterations=iterations)
 
-            def trial(factor: float, at: Array = unknowns, step: Array = step) -> tuple[Array, Touch, float]:
+    def _newton(self, unknowns: Array, frame: Frame, history: History, accuracy: float) -> Solution:
+        residual, touch = self.residual(unknowns, frame, history)
+        for iteration in range(MOST_ITERATIONS + 1):
+            if np.linalg.norm(residual) <= accuracy * touch.size + self.floor:
+                return Solution(unknowns, self.body.positions(unknowns), touch, iteration)
+            step = solve(self.matrix(unknowns, touch), -residual)
+
+            def trial(factor: float, at: Array = unknowns, step: Array = step) -> tuple[Array, Touch]:
                 return self.residual(at + factor * step, frame, history)
 
-            factor, (residual, touch, energy) = _search(trial, step, slope)
+            factor, (residual, touch) = _search(trial, step, float(residual @ step))
             unknowns = unknowns + factor * step
-            allowed = ACCURACY * float(np.sum(np.abs(touch.forces))) + self.floor
-            if np.linalg.norm(residual) <= allowed:
-                return Solution(unknowns, self.body.positions(unknowns), touch, energy, matrix, iteration)
-            matrix = self.matrix(unknowns, touch)
         raise NoSolutionError(f"no convergence in {MOST_ITERATIONS} iterations")
 
 
 def _search(
-    trial: Callable[[float], tuple[Array, Touch, float]], step: Array, slope: float | None
-) -> tuple[float, tuple[Array, Touch, float]]:
-    """The longest tried part of a step that inverts nothing and lowers the work of the residual along it."""
+    trial: Callable[[float], tuple[Array, Touch]], step: Array, slope: float
+) -> tuple[float, tuple[Array, Touch]]:
+    """The longest tried part of a step that inverts nothing and lowers the residual's work along it from ``slope``."""
     factor = 1.0
-    best: tuple[float, float, tuple[Array, Touch, float]] | None = None
+    best: tuple[float, float, tuple[Array, Touch]] | None = None
     for _ in range(_SEARCHES):
         try:
             found = trial(factor)
@@ -144,12 +152,11 @@ def _search(
             factor /= 2
             continue
         work = float(found[0] @ step)
-        if slope is None or abs(work) <= _DESCENT * abs(slope):
+        if abs(work) <= _DESCENT * abs(slope):
             return factor, found
         if best is None or abs(work) < best[0]:
             best = abs(work), factor, found
-        ratio = slope / (slope - work) if work * slope < 0 else 0.5
-        factor *= min(max(ratio, 0.1), 0.5)
+        factor *= min(max(slope / (slope - work), 0.1), 0.5) if work * slope < 0 else 0.5
     if best is None:
         raise InvertedError("every step inverts an element")
     return best[1], best[2]

@@ -10,9 +10,9 @@ from gripper.objects import Array
 from gripper.verify.elements import lagrange
 from gripper.verify.mesh import Index, Mesh
 
-FACE_STIFFNESS = 30.0  # pressure over depth, by E / element size: the depth stays near 1e-5 of the length
+FACE_STIFFNESS = 200.0  # pressure over depth, by E / thickness: depths stay near 1e-5 of the length
 CORNER_STIFFNESS = 100.0  # force over depth, by E b
-SPACING = 200.0  # points of the outline a thickness: a contact is a patch of several
+SPACING = 600.0  # points of the outline a thickness: the narrow patch of a stiff finger still holds several
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,9 +41,9 @@ class Places:
         """Where the points are (k, 2), of positions of all nodes (n, 2)."""
         return np.einsum("ka,kai->ki", self.shares, positions[self.nodes])
 
-    def pick(self, mask: Array) -> Places:
+    def pick(self, wanted: Index) -> Places:
         """Some of them."""
-        return Places(*(getattr(self, name)[mask] for name in self.__dataclass_fields__))
+        return Places(*(getattr(self, name)[wanted] for name in self.__dataclass_fields__))
 
 
 def places(mesh: Mesh, youngs_modulus: float, thickness: float) -> Places:
@@ -56,7 +56,7 @@ def places(mesh: Mesh, youngs_modulus: float, thickness: float) -> Places:
     youngs_modulus
         E, in Pa.
     thickness
-        That sets the points' spacing, in m.
+        That sets the points' spacing and stiffness, in m.
     """
     ends = mesh.nodes[mesh.edges[:, [0, 2]]]
     lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
@@ -64,20 +64,10 @@ def places(mesh: Mesh, youngs_modulus: float, thickness: float) -> Places:
     edge = np.repeat(np.arange(len(counts)), counts + 1)
     step = np.concatenate([np.arange(n + 1) / n for n in counts])
     weight = lengths[edge] / counts[edge] * np.where((step == 0) | (step == 1), 0.5, 1.0)
-    pressure = FACE_STIFFNESS * youngs_modulus / mesh.size
-    shares = lagrange(2 * step - 1)[0]
-    corner_edge, corner_shares = _corners(mesh)
-    edge, shares = np.concatenate([edge, corner_edge]), np.concatenate([shares, corner_shares])
+    corner_edge = np.array([np.flatnonzero(mesh.edges[:, 0] == node)[0] for node in mesh.corners], dtype=np.intp)
+    corner_shares = np.tile([1.0, 0.0, 0.0], (len(corner_edge), 1))
+    edge, shares = np.append(edge, corner_edge), np.concatenate([lagrange(2 * step - 1)[0], corner_shares])
+    stiffness = np.append(FACE_STIFFNESS / thickness * weight, np.full(len(corner_edge), CORNER_STIFFNESS))
     nodes = mesh.edges[edge]
-    b = mesh.width(np.clip(mesh.nodes[nodes[:, 1], 0], 0, None))
-    stiffness = np.full(len(edge), CORNER_STIFFNESS * youngs_modulus)
-    stiffness[: len(weight)] = pressure * weight
     along = np.einsum("ka,ka->k", shares, mesh.along[edge])
-    return Places(edge, nodes, shares, stiffness * b, along)
-
-
-def _corners(mesh: Mesh) -> tuple[Index, Array]:
-    """The edge that starts at each corner, and the shape functions there."""
-    starts = mesh.edges[:, 0]
-    edge = np.array([int(np.flatnonzero(starts == node)[0]) for node in mesh.corners], dtype=np.intp)
-    return edge, np.tile([1.0, 0.0, 0.0], (len(edge), 1))
+    return Places(edge, nodes, shares, youngs_modulus * mesh.width(mesh.nodes[nodes[:, 1], 0]) * stiffness, along)

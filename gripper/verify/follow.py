@@ -1,0 +1,211 @@
+"""Following an equilibrium along a motion: bounded steps, halved where Newton fails or jumps; snaps by damped descent."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from gripper.objects import Array
+from gripper.verify.mesh import Index
+from gripper.verify.motion import Frame, Path, travel
+from gripper.verify.newton import NoSolutionError, Solution, System
+from gripper.verify.touch import History
+
+LONGEST = 0.15  # of L: a step without friction
+ROUGH = 0.05  # of L: with friction, where the way matters
+SHORTEST = 1e-6  # of L: where steps this short fail, the equilibrium has ended
+DEEPEST = 1e-3  # of the thickness: a deeper contact is no answer
+_FURTHEST = 20.0  # of L: beyond this no retreat is tried
+_DESCENTS = 400
+
+
+@dataclass(frozen=True, eq=False)
+class Setting:
+    """What does not change along a motion.
+
+    Parameters
+    ----------
+    system
+        Finger and object.
+    stiffness
+        E b, in N/m.
+    length, thickness
+        L, and the smallest thickness, in m.
+    reach
+        Largest distance of the object's matter from its origin that counts for a turn, in m.
+    inner_point, inner_radius
+        Of the object, in its frame, in m.
+    """
+
+    system: System
+    stiffness: float
+    length: float
+    thickness: float
+    reach: float
+    inner_point: Array
+    inner_radius: float
+
+
+class Follower:
+    """An equilibrium that follows its object.
+
+    Parameters
+    ----------
+    setting
+        Finger and object.
+    path
+        The object's frames.
+    start
+        Parameter at which to begin.
+    approach
+        Direction along which the object comes there where it does not start free.
+
+    Raises
+    ------
+    NoSolutionError
+        No retreat frees the finger, or the approach could not be followed.
+    """
+
+    def __init__(self, setting: Setting, path: Path, start: float, approach: tuple[float, float]) -> None:
+        self.setting, self.system = setting, setting.system
+        self.snapped = False
+        self.iterations, self.depth = 0, 0.0
+        self._bound = np.inf
+        self._touched = False
+        unknowns = self.system.body.start
+        self._unknowns, positions = unknowns, self.system.body.positions(unknowns)
+        self._rate = np.zeros_like(unknowns)
+        back = self._retreat(path(start), positions, approach)
+        unit = (approach[0] / np.hypot(*approach), approach[1] / np.hypot(*approach))
+        self.history = History(positions, path(start).shifted(unit, -back), np.zeros(self.system.contact.count))
+        if back:
+            self._path: Path = lambda distance: path(start).shifted(unit, distance)
+            self._at = -back
+            self.advance(0.0)
+        self._path, self._at, self.snapped = path, start, False
+        self._rate = np.zeros_like(unknowns)
+
+    def _retreat(self, frame: Frame, positions: Array, approach: tuple[float, float]) -> float:
+        """How far back along its approach the object leaves the straight finger free, in m."""
+        unit = (approach[0] / np.hypot(*approach), approach[1] / np.hypot(*approach))
+        pace = float(np.clip(self.setting.inner_radius / 2, 0.01 * self.setting.length, 0.1 * self.setting.length))
+        back = 0.0
+        while not self._clear(frame.shifted(unit, -back), positions):
+            back += pace
+            if back > _FURTHEST * self.setting.length:
+                raise NoSolutionError(f"the object holds the finger however far it retreats against {approach}")
+        return back
+
+    def _clear(self, frame: Frame, positions: Array) -> bool:
+        """Whether finger and object lie outside each other."""
+        if self.system.contact.gap(positions, frame) <= 0:
+            return False
+        inner = np.vstack([self.setting.inner_point[None], self.system.contact.corners.points])
+        return not np.any(_inside(frame.place(inner), positions, self.system.contact.edges))
+
+    def advance(self, target: float) -> Solution:
+        """The equilibrium at a value of the parameter.
+
+        Raises
+        ------
+        NoSolutionError
+            No equilibrium could be followed that far; the follower stays at the last one.
+        """
+        self.iterations, self.snapped = 0, False
+        solution = self._step(self._at) if self._at == target else None
+        while self._at != target:
+            following, distance = self._within(target)
+            try:
+                solution = self._step(following)
+                self._bound = 2 * distance if following != target else max(self._bound, 2 * distance)
+            except ArithmeticError as error:
+                self._bound = distance / 2
+                if self._bound < SHORTEST * self.setting.length:
+                    solution = self._snap(following, error)
+                    self._bound = 1e-3 * self.setting.length
+        assert solution is not None  # the loop ran, or the pose was solved again
+        self.depth = max(0.0, -self.system.contact.gap(solution.positions, self.history.frame))
+        if self.depth > DEEPEST * self.setting.thickness:
+            raise NoSolutionError(f"the object is {self.depth:.2g} m inside the finger: finer elements may resolve it")
+        return solution
+
+    def _within(self, target: float) -> tuple[float, float]:
+        """The next parameter, and how far the object moves until there, in m."""
+        L = self.setting.length
+        room = min(ROUGH * L if self.system.contact.rough else LONGEST * L, self.setting.inner_radius / 2, self._bound)
+        distance = self._travel(target)
+        steps = math.ceil(distance / room)
+        following = self._at + (target - self._at) / max(steps, 1)
+        return (target, distance) if steps <= 1 or following == self._at else (following, distance / steps)
+
+    def _travel(self, target: float) -> float:
+        marks = [self._path(self._at + (target - self._at) * i / 8) for i in range(9)]
+        return sum(travel(a, b, self.setting.reach) for a, b in zip(marks, marks[1:], strict=False))
+
+    def _step(self, following: float) -> Solution:
+        """Go on along the last step's direction, and correct."""
+        frame = self._path(following)
+        distance = travel(self.history.frame, frame, self.setting.reach)
+        start = self._unknowns + self._rate * distance
+        solution = self.system.solve(start, frame, self.history)
+        if self._rate.any():
+            expected = self.system.body.positions(start)
+            moved = float(np.max(np.abs(expected - self.history.positions)))
+            if np.max(np.abs(solution.positions - expected)) > moved + distance / 2:
+                raise NoSolutionError("the step departs from its prediction")
+        if solution.touch.at.size and not self.system.stable(solution):
+            raise NoSolutionError("the equilibrium is not stable")
+        if distance and self._touched:
+            self._rate = (solution.unknowns - self._unknowns) / distance
+        self._accept(following, frame, solution)
+        return solution
+
+    def _accept(self, parameter: float, frame: Frame, solution: Solution) -> None:
+        friction = np.zeros(self.system.contact.count)
+        friction[solution.touch.at] = solution.touch.friction
+        self._touched = solution.touch.at.size > 0
+        if not self._touched:
+            self._rate = np.zeros_like(self._rate)
+        self.history = History(solution.positions, frame, friction)
+        self._unknowns, self._at = solution.unknowns, parameter
+        self.iterations += solution.iterations
+
+    def _snap(self, following: float, error: ArithmeticError) -> Solution:
+        """Let the finger go, heavily damped, from an equilibrium that has ended to the next one."""
+        frame, body = self._path(following), self.system.body
+        scale = np.full(body.size, self.setting.stiffness)
+        scale[body.size - body.moves_jaw :] *= self.setting.length**2
+        drag, unknowns = 1e-2, self._unknowns
+        for _ in range(_DESCENTS):
+            damped = replace(self.system, drag=drag * scale, anchor=unknowns)
+            try:
+                solution = damped.solve(unknowns, frame, self.history)
+            except ArithmeticError:
+                drag *= 8
+                if drag > 1e6:
+                    break
+                continue
+            self._accept(following, frame, solution)
+            unknowns, drag = solution.unknowns, drag / 3
+            if drag < 1e-12:
+                solution = self.system.solve(unknowns, frame, self.history)
+                if not self.system.stable(solution):
+                    break
+                self._accept(following, frame, solution)
+                self._rate, self.snapped = np.zeros_like(unknowns), True
+                return solution
+        raise NoSolutionError(f"no equilibrium to follow, and none found by descent: {error}")
+
+
+def _inside(points: Array, positions: Array, edges: Index) -> Array:
+    """Which points (k, 2) lie inside the outline of straightened edges, (k,)."""
+    first, last = edges[:, 0], edges[:, 2]
+    clamp = np.setdiff1d(last, first), np.setdiff1d(first, last)
+    a, b = positions[np.append(first, clamp[0])], positions[np.append(last, clamp[1])]
+    x, y = points[:, :1], points[:, 1:]
+    crosses = (a[:, 1] > y) != (b[:, 1] > y)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        at = a[:, 0] + (y - a[:, 1]) * (b[:, 0] - a[:, 0]) / (b[:, 1] - a[:, 1])
+    return np.asarray(np.sum(crosses & (x < at), axis=1) % 2 == 1)

@@ -1,0 +1,256 @@
+"""A motion: one branch whatever the steps, the same curve back, located events, snaps and what has no answer."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import sympy
+from gripper_plugins.objects.circle import Circle
+from gripper_plugins.objects.ellipse import Ellipse
+from gripper_plugins.objects.polygon import Polygon
+
+import gripper as gr
+from tests.scenes import FALLING, Q, deepest_cut, follow, micro_assembly, rotating_finger, unit_finger
+
+ROUND = Circle(radius=0.2)
+
+
+def passing(*values: float, height: float = -0.1, **options: object) -> gr.Scene:
+    """A circle that passes from the tip towards the clamp, or back, below the finger's axis."""
+    finger = unit_finger(**options)
+    return gr.Scene(finger=finger, object=ROUND.at(x=Q, y=height), motion=gr.Motion("q", values), theory="shear")
+
+
+def rising(*values: float, x: float = 0.6, **options: object) -> gr.Scene:
+    """A circle that rises from below."""
+    finger = unit_finger()
+    return gr.Scene(finger=finger, object=ROUND.at(x=x, y=Q), motion=gr.Motion("q", values), **options)
+
+
+MOTIONS = {
+    "micro assembly": lambda n: micro_assembly(*np.linspace(0.086, 0.050, n)),
+    "rotating finger, rising": lambda n: rotating_finger(*np.linspace(-0.1016, 0.0508, n)),
+    "rotating finger, falling": lambda n: rotating_finger(*np.linspace(*FALLING, n)),
+    "rising circle": lambda n: rising(*np.linspace(-0.3, 0.1, n)),
+    "passing circle": lambda n: passing(*np.linspace(1.3, 0.5, n)),
+}
+named = pytest.mark.parametrize("name", MOTIONS)
+
+
+def traced(scene: gr.Scene) -> tuple[gr.PoseResult, ...]:
+    result = gr.trace(scene)
+    assert not result.failed, (result.failed[0].parameter, result.failed[0].reason)
+    return result.poses
+
+
+def assert_same(one: gr.PoseResult, other: gr.PoseResult, tolerance: float) -> None:
+    assert one.status == other.status
+    size = max(float(np.linalg.norm(other.force_on_object)), 1e-300)
+    assert one.force_on_object == pytest.approx(other.force_on_object, rel=0, abs=tolerance * size)
+    assert one.energy == pytest.approx(other.energy, rel=tolerance, abs=1e-300)
+    assert [c.on for c in one.contacts] == [c.on for c in other.contacts]
+    for here, there in zip(one.contacts, other.contacts, strict=True):
+        assert here.s == pytest.approx(there.s, rel=10 * tolerance)
+
+
+@named
+def test_the_branch_does_not_depend_on_the_number_of_poses(name: str) -> None:
+    fine = traced(MOTIONS[name](49))
+    for count in (5, 17):
+        coarse = traced(MOTIONS[name](count))
+        for pose, same in zip(coarse, fine[:: 48 // (count - 1)], strict=True):
+            assert pose.parameter == pytest.approx(same.parameter)
+            assert_same(pose, same, 1e-7)
+
+
+@named
+def test_a_single_step_reaches_the_end_of_the_motion(name: str) -> None:
+    values = MOTIONS[name](3).motion.values
+    one, other = (
+        traced(replace(MOTIONS[name](3), motion=gr.Motion("q", some)))[-1] for some in (values, values[::2])
+    )
+    assert_same(one, other, 1e-7)
+
+
+@named
+def test_without_a_snap_the_way_back_is_the_way_out(name: str) -> None:
+    """Frictionless: insertion and extraction give the same curve."""
+    scene = MOTIONS[name](17)
+    values = scene.motion.values
+    result = gr.trace(replace(scene, motion=gr.Motion("q", (*values, *values[-2::-1]))))
+    assert not result.failed
+    assert "snap" not in [event.kind for event in result.events]
+    for out, back in zip(result.poses[:16], result.poses[:16:-1], strict=True):
+        assert out.parameter == back.parameter
+        assert_same(back, out, 1e-7)
+
+
+@named
+def test_events_on_the_way_back_are_those_of_the_way_out_reversed(name: str) -> None:
+    scene = MOTIONS[name](9)
+    values = scene.motion.values
+    result = gr.trace(replace(scene, motion=gr.Motion("q", (*values, *values[-2::-1]))))
+    half = len(result.events) // 2
+    assert len(result.events) == 2 * half
+    opposite = {"touch": "release", "release": "touch", "change": "change"}
+    for out, back in zip(result.events[:half], result.events[:half - 1:-1], strict=True):
+        assert back.kind == opposite[out.kind]
+        assert back.parameter == pytest.approx(out.parameter, abs=1e-7)
+
+
+@named
+def test_where_events_lie_does_not_depend_on_the_steps(name: str) -> None:
+    coarse, fine = (gr.trace(MOTIONS[name](count)).events for count in (5, 33))
+    assert [event.kind for event in coarse] == [event.kind for event in fine]
+    for one, other in zip(coarse, fine, strict=True):
+        assert one.parameter == pytest.approx(other.parameter, abs=1e-8)
+        assert one.detail == other.detail
+
+
+@pytest.mark.parametrize("theory", ["bending", "shear"])
+def test_one_pose_is_the_end_of_the_motion_that_approaches_it(theory: str) -> None:
+    end = 0.07
+    pose = traced(rising(-0.4, end, theory=theory))[-1]
+    alone = gr.solve(gr.Scene(finger=unit_finger(), object=ROUND.at(x=0.6, y=end), theory=theory)).poses[0]
+    assert_same(alone, pose, 1e-8)
+    assert alone.motion_force is None and pose.motion_force > 0
+
+
+def test_a_motion_that_starts_in_contact_is_approached_first() -> None:
+    started, followed = traced(rising(0.05))[-1], traced(rising(-0.4, 0.05))[-1]
+    assert_same(started, followed, 1e-8)
+
+
+def test_poses_are_answered_in_the_order_given_also_back_and_forth() -> None:
+    values = (-0.3, -0.1, -0.15, -0.1, -0.3, 0.0, -0.1)
+    poses = traced(rising(*values))
+    assert [pose.parameter for pose in poses] == list(values)
+    for i in (3, 6):
+        assert_same(poses[i], poses[1], 1e-7)
+    assert poses[4].status == "free"
+
+
+def test_progress_is_told_after_every_pose() -> None:
+    told: list[tuple[int, int]] = []
+    gr.trace(rising(-0.3, -0.2, -0.1), progress=lambda done, total: told.append((done, total)))
+    assert told == [(1, 3), (2, 3), (3, 3)]
+
+
+def test_touch_and_release_lie_where_the_straight_finger_just_touches() -> None:
+    result = gr.trace(rising(-0.3, 0.0, -0.3))
+    assert [event.kind for event in result.events] == ["touch", "release"]
+    for event in result.events:
+        assert event.parameter == pytest.approx(-0.2 - 0.03, abs=1e-9)
+
+
+def test_a_circle_that_comes_from_beyond_the_tip_passes_from_the_corner_to_the_face() -> None:
+    result = gr.trace(passing(1.3, 0.5))
+    assert [event.kind for event in result.events] == ["touch", "change"]
+    touch = 1 + math.sqrt(0.2**2 - (0.1 - 0.03) ** 2)
+    assert result.events[0].parameter == pytest.approx(touch, abs=1e-9)
+    assert [contact.on for contact in result.poses[-1].contacts] == ["lower"]
+
+
+# ---- Where the equilibrium ends.
+
+
+def test_a_finger_whose_tip_the_object_leaves_snaps_or_slides_free() -> None:
+    """The circle rises at the tip until the finger slips off its side: afterwards it is straight again."""
+    result = gr.trace(rising(*np.linspace(-0.4, 0.6, 21), x=0.95))
+    assert not result.failed, (result.failed[0].parameter, result.failed[0].reason)
+    kinds = [event.kind for event in result.events]
+    assert kinds[0] == "touch" and kinds[-1] in ("snap", "release")
+    assert result.poses[-1].status == "free" and result.poses[-1].energy == 0
+    last = result.events[-1].parameter
+    for pose in result.poses[1:]:
+        assert pose.status == ("contact" if result.events[0].parameter < pose.parameter < last else "free")
+
+
+def test_where_it_snaps_does_not_depend_on_the_steps() -> None:
+    places = []
+    for count in (11, 21, 41):
+        events = gr.trace(rising(*np.linspace(-0.4, 0.6, count), x=0.95)).events
+        places.append(events[-1].parameter)
+        assert events[-1].kind in ("snap", "release")
+    assert places == pytest.approx([places[0]] * 3, abs=1e-5)
+
+
+def test_energy_is_lost_in_a_snap_and_never_won() -> None:
+    scene = rising(*np.linspace(-0.4, 0.6, 41), x=0.95)
+    result = gr.trace(scene)
+    for before, after in zip(result.poses, result.poses[1:], strict=False):
+        if any(before.parameter < e.parameter <= after.parameter and e.kind == "snap" for e in result.events):
+            assert after.energy <= before.energy
+
+
+def test_a_pose_without_an_equilibrium_fails_with_a_reason_and_the_poses_before_it_stand() -> None:
+    """The object comes to lie on the clamp."""
+    scene = gr.Scene(
+        finger=unit_finger(), object=Circle(radius=0.1).at(x=0.3 - Q, y=-0.1 + 0.1 * Q),
+        motion=gr.Motion("q", (-0.5, 0.0, 0.3)),
+    )  # fmt: skip
+    result = gr.trace(scene)
+    statuses = [pose.status for pose in result.poses]
+    assert statuses[-1] == "failed" and "failed" not in statuses[:2]
+    (failed,) = result.failed
+    assert failed.reason and failed.parameter == 0.3
+    for name in ("force_on_object", "motion_force", "energy", "tip", "min_gap", "max_strain", "shape"):
+        assert getattr(failed, name) is None
+    assert failed.checks == gr.result.Checks() and failed.contacts == ()
+
+
+def test_an_object_that_encloses_the_clamp_fails_at_every_pose_and_says_why() -> None:
+    trough = Polygon(vertices=((-1.0, -50.0), (0.3, -50.0), (0.3, 50.0), (-1.0, 50.0)))
+    scene = gr.Scene(finger=unit_finger(), object=trough.at(x=Q), motion=gr.Motion("q", (0.0, 0.1)))
+    result = gr.trace(scene)
+    assert len(result.failed) == 2
+    for pose in result.failed:
+        assert "retreat" in pose.reason and "approach" in pose.reason
+
+
+def test_a_motion_may_begin_where_no_pose_has_an_answer() -> None:
+    """The first pose encloses the clamp; from the first free pose on the motion is followed."""
+    trough = Polygon(vertices=((-1.0, -50.0), (0.3, -50.0), (0.3, 50.0), (-1.0, 50.0)))
+    scene = gr.Scene(finger=unit_finger(), object=trough.at(x=-Q), motion=gr.Motion("q", (0.0, 0.5)))
+    statuses = [pose.status for pose in gr.trace(scene).poses]
+    assert statuses == ["failed", "free"]
+
+
+def test_head_on_the_finger_buckles_or_fails_but_never_silently_picks_a_side() -> None:
+    """PHYSICS 2: a strut on its end face; statics do not decide to which side it goes."""
+    finger = unit_finger(0.04)
+    scene = gr.Scene(
+        finger=finger,
+        object=Ellipse(semi_axes=(0.3, 0.3)).at(x=1.6 - Q, y=0.0),
+        motion=gr.Motion("q", tuple(np.linspace(0.2, 0.5, 13))),
+    )
+    result = gr.trace(scene)
+    for pose in result.poses:
+        if pose.status == "contact" and abs(pose.tip_rotation) > 1e-6:
+            snaps = [event for event in result.events if event.kind == "snap"]
+            assert snaps and "undecided" in snaps[0].detail
+            break
+
+
+@pytest.mark.parametrize("name", ["rising circle", "passing circle"])
+def test_no_pose_has_finger_and_object_in_each_other(name: str) -> None:
+    scene = MOTIONS[name](17)
+    for solved in follow(scene):
+        assert deepest_cut(scene, solved) <= 1e-6
+
+
+def test_a_scene_without_motion_is_not_traced() -> None:
+    with pytest.raises(ValueError, match=r"scene must have a motion; gripper.solve\(scene\) takes one pose"):
+        gr.trace(gr.Scene(finger=unit_finger(), object=ROUND.at(x=0.6, y=-0.5)))
+
+
+def test_a_pose_that_is_not_finite_is_refused_before_anything_is_solved() -> None:
+    q = sympy.Symbol("q")
+    scene = gr.Scene(
+        finger=unit_finger(), object=ROUND.at(x=0.6, y=-1 / q), motion=gr.Motion("q", (1.0, 0.5, 0.0))
+    )
+    with pytest.raises(ValueError, match="poses must be finite at every pose"):
+        gr.trace(scene)
