@@ -259,8 +259,7 @@ class FrictionTracker(Tracker):
             found = regripped(self.setting, equilibrium, i, 0, self.order)
             row = sum(site.multipliers for site in found.state.sites[:i])
             rate = float(tangent(found)[1][row]) / float(found.state.multipliers[row])
-            ratio = ratio_rate(found, i) / rate if rate else np.inf
-            return found if abs(ratio) <= coefficient(found, i) else None
+            return found if abs(ratio_rate(found, i)) <= coefficient(found, i) * abs(rate) else None
         except NoEquilibriumError:
             return None
 

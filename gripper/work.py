@@ -83,14 +83,26 @@ def pace(setting: Setting, path: Path, at: Along, heading: float) -> Pace:
     equilibrium = at.equilibrium
     rates = tangent(equilibrium)
     frame = equilibrium.obstacle.frame
-    small = heading * _SMALL / max(abs(frame.velocity) + abs(frame.spin), 1e-300)
+    speed = abs(frame.velocity) + abs(frame.spin)
+    if speed == 0.0:
+        return _still(_numbers(equilibrium, heading))
+    small = heading * _SMALL / speed
     state = equilibrium.state.moved(*(small * rate for rate in rates))
     obstacle = setting.obstacle(path.frame(at.parameter + small))
     lin = linearise(state.beam, state.z, setting.outline, obstacle, state.sites, state.multipliers)
     further = Equilibrium(state, obstacle, lin, 0)
     now, then = _numbers(equilibrium, heading), _numbers(further, heading)
-    table = np.column_stack([now, (then - now) / small])
+    return _tabled(now, (then - now) / small)
+
+
+def _tabled(numbers: Array, rates: Array) -> Pace:
+    table = np.column_stack([numbers, rates])
     return Pace(table[0], table[1], table[2:])
+
+
+def _still(numbers: Array) -> Pace:
+    """The pace where object and clamp do not move against each other."""
+    return _tabled(numbers, np.zeros_like(numbers))
 
 
 def _numbers(equilibrium: Equilibrium, heading: float) -> Array:
