@@ -6,15 +6,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from gripper_plugins.objects.circle import Circle
+from gripper_plugins.objects.ellipse import Ellipse
+from gripper_plugins.objects.polygon import Polygon
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import NonlinearConstraint, minimize
 
 import gripper as gr
 from gripper.outline import Axis
-from gripper_plugins.objects.circle import Circle
-from gripper_plugins.objects.ellipse import Ellipse
-from gripper_plugins.objects.polygon import Polygon
 from tests.scenes import STRAIGHT, TAPERED, micro_assembly, rotating_finger, unit_finger
 
 ROUND = Circle(radius=0.25)

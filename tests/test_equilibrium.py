@@ -7,6 +7,8 @@ from functools import cache
 
 import numpy as np
 import pytest
+from gripper_plugins.objects.circle import Circle
+from gripper_plugins.objects.polygon import Polygon
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -16,8 +18,6 @@ from gripper.contact import Site, linearise
 from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, kkt_step, settle
 from gripper.kinematics import Kinematics
 from gripper.outline import Axis
-from gripper_plugins.objects.circle import Circle
-from gripper_plugins.objects.polygon import Polygon
 from tests.scenes import Q, Solved, follow, micro_assembly, rotating_finger, unit_finger
 
 WEDGE = Polygon(vertices=((-0.2, -0.3), (0.2, -0.3), (0.02, 0.0)))

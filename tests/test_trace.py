@@ -8,11 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import sympy
-
-import gripper as gr
 from gripper_plugins.objects.circle import Circle
 from gripper_plugins.objects.ellipse import Ellipse
 from gripper_plugins.objects.polygon import Polygon
+
+import gripper as gr
 from tests.scenes import FALLING, Q, deepest_cut, follow, micro_assembly, rotating_finger, unit_finger
 
 ROUND = Circle(radius=0.2)
