@@ -236,8 +236,9 @@ class PoseResult(Record):
         return cls(parameter=parameter, status="failed", reason=reason, iterations=iterations, seconds=seconds)
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain data, ready for JSON; the shape, which is for drawing, is left out."""
-        written = (field.name for field in dataclasses.fields(self) if field.name != "shape")
+        """Plain data, ready for JSON; the shape, which is for drawing, is left out, work and loss where there is none."""
+        names = [field.name for field in dataclasses.fields(self) if field.name != "shape"]
+        written = (n for n in names if n not in ("work", "dissipation") or getattr(self, n) is not None)
         return {name: jsonable(getattr(self, name)) for name in written}
 
 
