@@ -12,6 +12,7 @@ cut anew until the places that come out are those that went in.
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -112,6 +113,10 @@ class Equilibrium:
 
     def tangent(self) -> tuple[Array, Array, Array]:
         """Rates of z, the multipliers and the places with the motion's parameter."""
+        return self._tangent
+
+    @functools.cached_property
+    def _tangent(self) -> tuple[Array, Array, Array]:
         lin = self.linear
         rates = np.linalg.solve(self.matrix(), np.concatenate([lin.load_rates, -lin.value_rates, -lin.residual_rates]))
         return _split(rates, lin)

@@ -23,13 +23,13 @@ from gripper.holds import coefficient, grip_of, leaders, margin, overdue, ratio_
 from gripper.locking import LockedError, free_slip, limiting_ratio
 from gripper.peaks import Peak
 from gripper.tracker import Tracker
-from gripper.work import Balance, Pace, dips, pace
+from gripper.work import STILL, Balance, Pace, dips, pace, speed
 
 _NUDGE = 1e-5  # of L: how far beyond the first touch the first hold is decided
 _SHARP = 1e-10  # of the step: where a hold changes is located to
 _AT_ONCE = 1e-9  # of its value at the step's end: a margin this small is none
 _FINE = 1e-3  # of L: shorter steps are not cut for their balance
-_CHANGING = 0.01  # of L: the longest step that ends free of the object
+_CHANGING = 0.01  # of L: the longest step in which a patch comes or goes, or that ends free of the object
 _BALANCED = 3e-4  # of the energies of a step
 _SHORTEST = 1e-6  # of L: shorter steps are not cut for a hold
 _MOST = 8  # changes of hold at one place, snaps on the way to one pose
@@ -68,6 +68,9 @@ class FrictionTracker(Tracker):
             self._meet(following)
             self.heading = heading
             return
+        if self._travel(self.parameter, following) < STILL:
+            self.parameter, self.current = following, self._at(following, self.current.equilibrium.state)
+            return
         if heading != self.heading:
             self._turn(heading)
         self._check_locked(self.current.equilibrium)
@@ -105,7 +108,8 @@ class FrictionTracker(Tracker):
         old, new, way = self.current.equilibrium, found.equilibrium, following - self.parameter
         travel = self._travel(self.parameter, following)
         if holds(old) != holds(new):
-            return travel > _CHANGING and not new.state.sites
+            spread = any(site.kind in ("patch", "tail") for site in (*old.state.sites, *new.state.sites))
+            return travel > (_CHANGING if spread or not new.state.sites else 3 * _CHANGING)
         if travel < _FINE:
             return False
         start = self._pace()
@@ -143,7 +147,9 @@ class FrictionTracker(Tracker):
 
     def _note(self, peak: Peak) -> None:
         """Keep the largest force of each leg of the motion."""
-        if peak.heading != (self.peaks[-1].heading if self.peaks else 0.0):
+        if not peak.heading:
+            return
+        if not self.peaks or peak.heading != self.peaks[-1].heading:
             self.peaks = (*self.peaks, peak)
         elif peak.force > self.peaks[-1].force:
             self.peaks = (*self.peaks[:-1], peak)
@@ -233,6 +239,8 @@ class FrictionTracker(Tracker):
 
     def _first_hold(self, equilibrium: Equilibrium, i: int) -> Equilibrium:
         """Slip, if it goes on in its sense, the likelier sense first; else stick, if its ratio stays within mu."""
+        if speed(equilibrium) < STILL:
+            return regripped(self.setting, equilibrium, i, 0, self.order)
         likely = 1 if slip_rates(equilibrium)[i] * self.heading >= 0 else -1
         options: list[Callable[[], Equilibrium | None]] = [
             functools.partial(self._slipping, equilibrium, i, sense) for sense in (likely, -likely)

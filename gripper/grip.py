@@ -195,13 +195,21 @@ def ends(piece: int, outline: Outline) -> set[tuple[float, float]]:
 
 
 def grouped(outline: Outline, sites: tuple[Site, ...]) -> tuple[Site, ...]:
-    """Contacts that conform share one ratio: that of the first; a patch that ends in the tip's corner the corner's."""
-    out: list[Site] = []
-    for i, site in enumerate(sites):
-        if site.grip is None:
-            return sites
-        follows = leader(outline, sites, i) != i
-        out.append(replace(site, grip=replace(site.grip, follows=follows)) if site.grip.follows != follows else site)
+    """Contacts that conform share one hold: that of the first; a patch that ends in the tip's corner the corner's."""
+    if any(site.grip is None for site in sites):
+        return sites
+    firsts = [leader(outline, sites, i) for i in range(len(sites))]
+    grips = [site.grip for site in sites if site.grip is not None]
+    for i, first in enumerate(firsts):
+        if first != i and grips[first].hold == "open":
+            grips[first] = replace(grips[i], anchor=None)
+    out = []
+    for i, (site, first) in enumerate(zip(sites, firsts, strict=True)):
+        same = grips[i].hold == grips[first].hold
+        lead = grips[first]
+        anchor = grips[i].anchor if same else None
+        grip = grips[i] if first == i else replace(lead, anchor=anchor)
+        out.append(replace(site, grip=replace(grip, follows=first != i)))
     return tuple(out)
 
 

@@ -19,6 +19,8 @@ from gripper.events import Along, Path
 from gripper.holds import coefficient, leaders, tangent
 from gripper.rubbing import dissipation
 
+STILL = 1e-12
+"""Of L: object and clamp do not move against each other."""
 _SMALL = 1e-5  # of L: the step along the tangent
 
 
@@ -72,6 +74,12 @@ class Balance:
         return Balance(self.work + work, self.loss + loss, self.put_in + put_in, self.given_back + given_back)
 
 
+def speed(equilibrium: Equilibrium) -> float:
+    """How fast object and clamp move against each other, by L per unit of the parameter."""
+    frame = equilibrium.obstacle.frame
+    return abs(frame.velocity) + abs(frame.spin)
+
+
 def pace(setting: Setting, path: Path, at: Along, heading: float) -> Pace:
     """The pace of an equilibrium.
 
@@ -82,12 +90,13 @@ def pace(setting: Setting, path: Path, at: Along, heading: float) -> Pace:
     """
     equilibrium = at.equilibrium
     rates = tangent(equilibrium)
-    frame = equilibrium.obstacle.frame
-    speed = abs(frame.velocity) + abs(frame.spin)
-    if speed == 0.0:
+    fast = speed(equilibrium)
+    if fast < STILL:
         return _still(_numbers(equilibrium, heading))
-    small = heading * _SMALL / speed
+    small = heading * _SMALL / fast
     state = equilibrium.state.moved(*(small * rate for rate in rates))
+    if any(site.kind in ("patch", "tail") for site in state.sites):
+        state = state.on(setting.beam(state.sites, state.beam.order))  # narrow segments must end where the patch does
     obstacle = setting.obstacle(path.frame(at.parameter + small))
     lin = linearise(state.beam, state.z, setting.outline, obstacle, state.sites, state.multipliers)
     further = Equilibrium(state, obstacle, lin, 0)
