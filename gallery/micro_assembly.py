@@ -9,12 +9,12 @@ import math
 from pathlib import Path
 
 import sympy
-from gripper_plugins.fingers.uniform import Uniform
-from gripper_plugins.jaws.triangle import Triangle
-from gripper_plugins.objects.circle import Circle
 
 import gripper as gr
 from gripper.plot import snapshots
+from gripper_plugins.fingers.uniform import Uniform
+from gripper_plugins.jaws.triangle import Triangle
+from gripper_plugins.objects.circle import Circle
 
 x_o = sympy.Symbol("x_o")
 

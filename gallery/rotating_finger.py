@@ -10,11 +10,11 @@ import math
 from pathlib import Path
 
 import sympy
-from gripper_plugins.fingers.tapered import Tapered
-from gripper_plugins.objects.ellipse import Ellipse
 
 import gripper as gr
 from gripper.plot import snapshots
+from gripper_plugins.fingers.tapered import Tapered
+from gripper_plugins.objects.ellipse import Ellipse
 
 ANGLES = (126, 108, 90, 72, 54)  # degrees
 x_e = sympy.Symbol("x_e")

@@ -15,7 +15,7 @@ from gripper.fields import Expression, Finite, Point, Positive, Profile, Surface
 from gripper.fingers import Finger, Jaw, Material
 from gripper.friction import Coefficients, Friction
 from gripper.loop import Loop
-from gripper.objects import ImplicitSurface, Object
+from gripper.objects import FeatureSurface, ImplicitSurface, Object
 from gripper.pose import Placed, Pose
 from gripper.result import Contact, Event, PoseResult, Result
 from gripper.scene import Motion, Scene
@@ -27,6 +27,7 @@ __all__ = [
     "Contact",
     "Event",
     "Expression",
+    "FeatureSurface",
     "Finger",
     "Finite",
     "Friction",

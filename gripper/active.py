@@ -8,7 +8,7 @@ import numpy as np
 from scipy.optimize import minimize
 
 from gripper.arrays import Array
-from gripper.assemble import Candidate, Problem, least_gap, near, vertex_heights
+from gripper.assemble import Candidate, Problem, least_gaps, near, vertex_heights
 from gripper.beam import legendre
 from gripper.certificate import DEPTH, Survey, survey
 from gripper.contact import NARROW, WIDE, Site, linearise
@@ -17,12 +17,12 @@ from gripper.grip import dressed
 from gripper.obstacle import Obstacle
 from gripper.outline import LOWER, UPPER, Axis
 
-_ROUNDS = 12
+_ROUNDS = 8
 _STRETCH = 0.05  # of L: half of a stretch about a penetration
 _PATIENCE = 40  # SLSQP takes 8 to 15 iterations where it gets somewhere
 _COARSE = 1e-6  # SLSQP only has to tell who touches: Newton does the rest
 _ACTIVE = 1e-6  # of the largest multiplier
-_PATCH = 1e-4  # of L: narrower patches are points (the mean tangent's error falls with the square of the width)
+_PATCH = 2e-5  # of L: narrower patches are points (the mean tangent's error falls with the square of the width)
 _FLUSH = 2.0  # of sqrt(EI / GA): where a patch would be wider, the finger lies flush on a flat
 _WIDTHS = (
     (0.3, NARROW),
@@ -58,7 +58,8 @@ def untouched(setting: Setting, free: Verified) -> bool:
     equilibrium, found = free.equilibrium, free.survey
     if found.least > 0 or not found.clear:
         return found.clear
-    return least_gap(setting, equilibrium.obstacle, equilibrium.state, found) >= -_GRAZING
+    gaps = least_gaps(setting, equilibrium.obstacle, equilibrium.state, found)
+    return min((gap for gap, _ in gaps), default=found.min_gap) >= -_GRAZING
 
 
 def fit_patches(setting: Setting, equilibrium: Equilibrium) -> tuple[Site, ...]:
@@ -163,6 +164,7 @@ def settle_contacts(setting: Setting, obstacle: Obstacle, state: State, order: i
     NoEquilibriumError
         Where Newton does not converge.
     """
+    state = _foreseen(setting, obstacle, state)
     found = settle(setting, obstacle, state, order)
     sites = fit_patches(setting, found)
     if [(s.kind, s.modes) for s in sites] == [(s.kind, s.modes) for s in found.state.sites]:
@@ -170,6 +172,15 @@ def settle_contacts(setting: Setting, obstacle: Obstacle, state: State, order: i
     again = settle(setting, obstacle, with_sites(found.state, sites), order)
     total = found.iterations + again.iterations
     return replace(again, iterations=total, correction=found.correction + again.correction)
+
+
+def _foreseen(setting: Setting, obstacle: Obstacle, state: State) -> State:
+    """Points on faces as the short patches that they are going to be, so that Newton need not find the points first."""
+    if setting.theory == "bending" or not any(s.kind == "tangent" and s.on_face for s in state.sites):
+        return state
+    lin = linearise(state.beam, state.z, setting.outline, obstacle, state.sites, state.multipliers, kinks=False)
+    sites = fit_patches(setting, Equilibrium(state, obstacle, lin, 0))
+    return with_sites(state, sites) if all(site.kind != "tail" for site in sites) else state
 
 
 def objection(setting: Setting, equilibrium: Equilibrium) -> str | None:
@@ -285,7 +296,7 @@ def find(setting: Setting, obstacle: Obstacle, start: State, order: int) -> Veri
         Where none is found that verifies.
     """
     state = State(start.beam, start.z)
-    found = survey(setting, obstacle, state)
+    found = survey(setting, obstacle, state, brief=True)
     candidates = near(setting, obstacle, state, found, REACH)
     reason, iterations = "no candidate for a contact", 0
     for _ in range(_ROUNDS):

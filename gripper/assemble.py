@@ -297,13 +297,14 @@ class Problem:
         return np.where(inner, a - fa * (b - a) / np.where(inner, fb - fa, 1.0), a)
 
 
-def least_gap(setting: Setting, obstacle: Obstacle, state: State, found: Survey) -> float:
-    """The least gap of a deflected finger, by L: negative where the object would penetrate it, however little."""
+def least_gaps(setting: Setting, obstacle: Obstacle, state: State, found: Survey) -> list[tuple[float, Site]]:
+    """The gaps of the places that come nearest to the object, by L: negative where it penetrates, however little."""
     candidates = near(setting, obstacle, state, found, max(found.min_gap, 0.0) + _GRAZED)
     if not candidates:
-        return found.min_gap
+        return []
     problem = Problem(setting, obstacle, state, candidates)
-    return float(np.min(problem.gaps(problem.x0))) / setting.sections.length
+    gaps = problem.gaps(problem.x0) / setting.sections.length
+    return list(zip(gaps.tolist(), problem.sites(problem.x0), strict=True))
 
 
 def near(setting: Setting, obstacle: Obstacle, state: State, found: Survey, reach: float) -> tuple[Candidate, ...]:

@@ -95,14 +95,18 @@ class Survey:
         return self.penetration_bound <= DEPTH and not self.engulfed and not self.sunken
 
 
-def survey(setting: Setting, obstacle: Obstacle, state: State) -> Survey:
-    """Look for penetration over both faces, the end face and every edge of the jaw."""
+def survey(setting: Setting, obstacle: Obstacle, state: State, *, brief: bool = False) -> Survey:
+    """Look for penetration over both faces, the end face and every edge of the jaw.
+
+    A brief one stops at the first sampling where that finds penetration.
+    """
     axis = Axis.of(state.beam, state.z)
     arc = _ArcBounds(setting, state)
     first = pieces = _whole(setting, state)
     proved, engulfed, worst, nearest = True, False, np.inf, np.inf
     inside: list[tuple[int, float, float]] = []
-    gaps, sunken = np.empty((2, 0)), ()
+    gaps = np.empty((2, 0))
+    sunken: tuple[tuple[int, float], ...] = ()
     total = 0
     for round_ in range(_ROUNDS):
         ends = _Ends.of(setting, obstacle, axis, pieces)
@@ -121,7 +125,7 @@ def survey(setting: Setting, obstacle: Obstacle, state: State) -> Survey:
             u = np.where(depths[1] < depths[0], pieces.u1, pieces.u0)
             inside += list(zip(pieces.piece[deep], u[deep], depth[deep], strict=True))
         open_ = ~deep & (lower < -DEPTH)
-        last = round_ == _ROUNDS - 1 or total > _MOST_PIECES
+        last = round_ == _ROUNDS - 1 or total > _MOST_PIECES or (brief and bool(deep.any()))
         done = np.ones_like(open_) if last else ~open_
         worst = min(worst, float(np.min(lower[done], initial=np.inf)))
         if done.all():
@@ -269,4 +273,8 @@ def _sunken_corners(
     height = dot(place - corners[close], inward)
     half = setting.sections.thickness(np.where(piece <= UPPER, u, 1.0)) / 2
     inside = (height < -DEPTH) & (height > -half) & (u > 0) & (u < ends)
+    for i in np.flatnonzero(inside & (piece > UPPER)):  # a thin jaw's far side is near, too
+        part = [p for p, other in enumerate(setting.outline.pieces) if other.on == setting.outline.pieces[piece[i]].on]
+        ring = points[np.isin(pieces.piece, part if len(part) > 1 else (LOWER, UPPER))]
+        inside[i] = bool(np.sum(crossings(complex(corners[close[i]]), ring)) % 2)
     return tuple(zip(piece[inside].tolist(), u[inside].tolist(), strict=True))

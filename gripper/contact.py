@@ -200,7 +200,8 @@ def _stations(
     axis: Axis, outline: Outline, piece: Index, u: Array, sites: tuple[Site, ...], queries: list[Array], kinks: bool
 ) -> Stations:
     beam = axis.beam
-    left, right = [], []
+    left: list[int] = []
+    right: list[int] = []
     for site, places in zip(sites, queries, strict=True):
         if site.modes in _CUTS:
             inner = beam.segment_of(places - 1e-12).tolist()

@@ -9,7 +9,7 @@ from typing import Literal, Protocol
 import numpy as np
 from scipy.optimize import brentq
 
-from gripper.assemble import least_gap
+from gripper.assemble import least_gaps
 from gripper.certificate import survey
 from gripper.contact import Kind, Site
 from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, settle
@@ -20,6 +20,9 @@ _SECANTS = 40
 _SHORT = 0.999  # of the way to a root that must not be passed
 _STEPS = 30
 _SHORT = 0.999  # of the way to an end that must not be passed
+_ROUND_OFF = 1e-13
+_GRAZED = 1e-9  # of L: contacts that only graze are none
+_NEAR = 0.02  # of L: as far as a first contact may roll on to another piece within a step
 _SHARP = 1e-10  # of the step: where an event is located to
 
 
@@ -59,7 +62,13 @@ def features(sites: tuple[Site, ...]) -> dict[Feature, int]:
 
 
 def changes(setting: Setting, path: Path, old: Along, new: Along, order: int) -> list[Change]:
-    """Touch, release and change of face, edge or corner between two neighbouring poses, located on the parameter."""
+    """Touch, release and change of face, edge or corner between two neighbouring poses, located on the parameter.
+
+    Raises
+    ------
+    NoEquilibriumError
+        Where the branches do not lead to the event: the step is too long, or leads to another branch.
+    """
     before, after = features(old.equilibrium.state.sites), features(new.equilibrium.state.sites)
     gone, come = [f for f in before if f not in after], [f for f in after if f not in before]
     out: list[Change] = []
@@ -67,11 +76,13 @@ def changes(setting: Setting, path: Path, old: Along, new: Along, order: int) ->
         where = _changed(setting, path, old, new, lost, won, order)
         out.append(Change(where, "change", f"{_feature_name(setting, lost)} to {_feature_name(setting, won)}"))
     pairs = min(len(gone), len(come))
+    if len(gone) + len(come) - pairs > 1 and before:
+        raise NoEquilibriumError("several contacts change within one step")
     for won in come[pairs:]:
         if before:
             where = _released(setting, path, new, old.parameter, won, order)
         else:
-            where = first_touch(setting, path, old, new)
+            where = _first_touch(setting, path, old, new)
         out.append(Change(where, "touch", _feature_name(setting, won)))
     for lost in gone[pairs:]:
         where = _released(setting, path, old, new.parameter, lost, order)
@@ -79,15 +90,46 @@ def changes(setting: Setting, path: Path, old: Along, new: Along, order: int) ->
     return sorted(out, key=lambda change: abs(change.parameter - old.parameter))
 
 
-def first_touch(setting: Setting, path: Path, old: Along, new: Along) -> float:
-    """Where the least gap of the straight finger vanishes."""
+def _first_touch(setting: Setting, path: Path, old: Along, new: Along) -> float:
+    """Where the straight finger is touched first, by a contact that the new pose still has."""
+    state, sites = old.equilibrium.state, new.equilibrium.state.sites
+
+    def least(parameter: float, *, kept: bool) -> float:
+        obstacle = setting.obstacle(path.frame(parameter))
+        found = least_gaps(setting, obstacle, state, survey(setting, obstacle, state, brief=True))
+        return min((g for g, at in found if any(_same(setting, at, site) for site in sites) == kept), default=np.inf)
+
+    if np.isinf(least(new.parameter, kept=True)):
+        raise NoEquilibriumError("the first contact has moved on within the step")
+    where = _bracketed(lambda parameter: min(least(parameter, kept=True), 1.0), old.parameter, new.parameter)
+    if least(where, kept=False) < -_GRAZED:
+        raise NoEquilibriumError("the first contact has moved on within the step")
+    return where
+
+
+def touched_at(setting: Setting, path: Path, old: Along, stop: float) -> float:
+    """Where the straight finger is touched first."""
     state = old.equilibrium.state
 
     def least(parameter: float) -> float:
         obstacle = setting.obstacle(path.frame(parameter))
-        return least_gap(setting, obstacle, state, survey(setting, obstacle, state))
+        found = least_gaps(setting, obstacle, state, survey(setting, obstacle, state, brief=True))
+        return min((gap for gap, _ in found), default=1.0)
 
-    return _bracketed(least, old.parameter, new.parameter)
+    return _bracketed(least, old.parameter, stop)
+
+
+def _same(setting: Setting, touched: Site, site: Site) -> bool:
+    """Whether a first contact is the same as a contact of the next pose: on one piece, or where two pieces meet."""
+    if touched.piece == site.piece and touched.vertex == site.vertex:
+        return True
+    return abs(_straight(setting, touched) - _straight(setting, site)) < _NEAR
+
+
+def _straight(setting: Setting, site: Site) -> complex:
+    """Where a contact lies on the straight finger."""
+    s, P, *_ = setting.outline.offsets(np.array([site.piece]), np.array([site.middle if site.place else 0.0]))
+    return complex(s[0] + P[0])
 
 
 def _changed(setting: Setting, path: Path, old: Along, new: Along, lost: Feature, won: Feature, order: int) -> float:
@@ -163,10 +205,7 @@ def _released(setting: Setting, path: Path, known: Along, stop: float, feature: 
     """Where a contact's multiplier vanishes on the branch of a known equilibrium, the contact held beyond."""
     i = features(known.equilibrium.state.sites)[feature]
     branch = Branch(setting, path, replace(known, equilibrium=_pointed(setting, known.equilibrium, i, order)), order)
-    try:
-        return _bracketed(lambda parameter: _pressing(setting, branch.at(parameter), i), known.parameter, stop)
-    except NoEquilibriumError:
-        return _between(known.parameter, stop)
+    return _bracketed(lambda parameter: _pressing(setting, branch.at(parameter), i), known.parameter, stop)
 
 
 def _departed(setting: Setting, path: Path, known: Along, stop: float, feature: Feature, order: int) -> float:
@@ -186,12 +225,7 @@ def _departed(setting: Setting, path: Path, known: Along, stop: float, feature: 
             at, short = at + step, _SHORT
         except NoEquilibriumError:
             short /= 2
-    return at
-
-
-def _between(start: float, stop: float) -> float:
-    """Where no branch can be followed to an event, the middle of the step that holds it."""
-    return (start + stop) / 2
+    raise NoEquilibriumError("a contact does not reach the end of its face or edge")
 
 
 def pointed(setting: Setting, equilibrium: Equilibrium, order: int) -> Equilibrium:
@@ -214,8 +248,16 @@ def _pointed(setting: Setting, equilibrium: Equilibrium, i: int, order: int) -> 
 
 
 def _bracketed(value: Callable[[float], float], start: float, stop: float) -> float:
-    """The root between two parameters; the end that is nearer to one where the sign does not change."""
+    """The root between two parameters.
+
+    Raises
+    ------
+    NoEquilibriumError
+        Where there is none.
+    """
     first, last = value(start), value(stop)
+    if abs(first) < _ROUND_OFF or abs(last) < _ROUND_OFF:
+        return start if abs(first) < abs(last) else stop
     if first * last > 0:
-        return stop if abs(last) < abs(first) else start
+        raise NoEquilibriumError("the step leads to another branch")
     return float(brentq(value, start, stop, xtol=_SHARP * abs(stop - start), rtol=1e-14))

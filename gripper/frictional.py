@@ -14,10 +14,10 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import brentq
 
-from gripper.active import Verified, verify
+from gripper.active import Verified, untouched, verify
 from gripper.answer import Answer
 from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting
-from gripper.events import Along, Branch, Change, Feature, features, first_touch, named, pointed
+from gripper.events import Along, Branch, Change, Feature, features, named, pointed, touched_at
 from gripper.grip import dressed
 from gripper.holds import coefficient, grip_of, leaders, margin, overdue, ratio_rate, regripped, slip_rates, tangent
 from gripper.locking import LockedError, free_slip, limiting_ratio
@@ -169,11 +169,11 @@ class FrictionTracker(Tracker):
     def _meet(self, following: float) -> None:
         """The finger is free: go on to the first touch, and decide there how it holds."""
         free = self._free(following)
-        if free.survey.clear:
+        if untouched(self.setting, free):
             self.parameter, self.current = following, free
             return
         start, here = self.parameter, Along(self.parameter, self.current.equilibrium)
-        touch = first_touch(self.setting, self.path, here, Along(following, free.equilibrium))
+        touch = touched_at(self.setting, self.path, here, following)
         rest = self._travel(touch, following)
         near = touch + (following - touch) * _NUDGE / rest if rest > _NUDGE else following
         self.heading = float(np.sign(following - start))

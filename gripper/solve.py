@@ -81,8 +81,9 @@ def approach(fixed: Setting, final: Frame, direction: tuple[float, float], order
     back = 0.0
     while True:
         free = settle(fixed, fixed.obstacle(path.frame(-back)), straight, order)
-        found = survey(fixed, free.obstacle, free.state)
-        if untouched(fixed, Verified(free, found)):
+        found = survey(fixed, free.obstacle, free.state, brief=True)
+        start = Verified(free, found)
+        if untouched(fixed, start):
             break
         if back > _FURTHEST:
             raise NoEquilibriumError(
@@ -90,7 +91,7 @@ def approach(fixed: Setting, final: Frame, direction: tuple[float, float], order
                 "give another direction in [approach], or a motion that starts from a free pose"
             )
         back += max(pace, -found.min_gap)
-    tracker = tracker_for(fixed)(fixed, path, -back, order, events=False)
+    tracker = tracker_for(fixed)(fixed, path, -back, order, events=False, free=start)
     return tracker.advance(0.0), tracker.order
 
 

@@ -20,8 +20,10 @@ from gripper.snap import descend, distance
 
 _LONGEST = 0.1  # of L
 _SHALLOW = 0.02  # of L: how deep a sharp corner may sink before the first contact is looked for
+_BEYOND = 2e-3  # of L: how far behind a limit point the descent starts
+_INDIVISIBLE = 2e-6  # of L: events nearer than this are one
 _SHORTEST = 1e-6  # of L: where steps this short do not succeed, there is no equilibrium to follow
-_PATIENCE = 25  # steps that may fail on the way to a pose
+_PATIENCE = 45  # steps that may fail on the way to a pose
 _HIGHEST_ORDER = 14
 _TURNS = 8  # parts in which a step's path is measured
 
@@ -41,6 +43,8 @@ class Tracker:
         Order of the strain fields to start with.
     events
         Whether to locate what changes on the way.
+    free
+        The verified state at the start, where it is known.
 
     Raises
     ------
@@ -48,20 +52,27 @@ class Tracker:
         Where the straight finger is not free at the start.
     """
 
-    def __init__(self, setting: Setting, path: Path, parameter: float, order: int, *, events: bool = True) -> None:
+    def __init__(
+        self,
+        setting: Setting,
+        path: Path,
+        parameter: float,
+        order: int,
+        *,
+        events: bool = True,
+        free: Verified | None = None,
+    ) -> None:
         self.setting, self.path, self.parameter, self.order, self.events = setting, path, parameter, order, events
         self.changes: list[Change] = []
         self.iterations = 0
-        self.current = self._free(parameter)
-        if not untouched(setting, self.current):
+        self.current = free or self._free(parameter)
+        if free is None and not untouched(setting, self.current):
             raise NoEquilibriumError("the straight finger is not free of the object at the start")
 
     @classmethod
     def resume(cls, setting: Setting, path: Path, parameter: float, order: int, current: Verified) -> Tracker:
         """A tracker that goes on from an equilibrium reached along another path."""
-        tracker = cls.__new__(cls)
-        tracker.setting, tracker.path, tracker.parameter, tracker.order = setting, path, parameter, order
-        tracker.changes, tracker.iterations, tracker.events = [], 0, True
+        tracker = cls(setting, path, parameter, order, free=current)
         state = current.equilibrium.state
         tracker.current = tracker._at(parameter, state) if state.sites else current
         return tracker
@@ -88,7 +99,7 @@ class Tracker:
                     raise NoEquilibriumError(f"{error} ({failures} steps have failed on the way)") from error
                 bound = self._travel(self.parameter, following) / 2
                 if bound < _SHORTEST:
-                    self._snap(following, error)
+                    self._snap(self._within(target, _BEYOND), error)
                     bound = 1e-3
         return self._refined()
 
@@ -213,17 +224,24 @@ class Tracker:
             raise NoEquilibriumError("the step leads to another branch")
 
     def _accept(self, following: float, found: Verified) -> None:
+        """Take a step, once what changed on it is located: this proves that it stays on its branch."""
+        before = Along(self.parameter, self.current.equilibrium)
+        changed: list[Change] = []
+        if self.events or self.sites:
+            after = Along(following, found.equilibrium)
+            try:
+                changed = changes(self.setting, self.path, before, after, self.order)
+            except NoEquilibriumError:
+                if self._travel(self.parameter, following) > _INDIVISIBLE:
+                    raise
+                changed = [Change(following, "change", "several contacts at once")]
         self.iterations += found.equilibrium.iterations
-        old = self.current
-        start = self.parameter
         self.parameter, self.current = following, found
-        if not self.events:
-            return
-        before, after = Along(start, old.equilibrium), Along(following, found.equilibrium)
-        self.changes += changes(self.setting, self.path, before, after, self.order)
+        if self.events:
+            self.changes += changed
 
     def _snap(self, following: float, error: NoEquilibriumError) -> None:
-        """Beyond the last equilibrium: descend to the next."""
+        """A little beyond the last equilibrium, where forces no longer nearly balance: descend to the next."""
         start = self.current.equilibrium.state
         if not start.sites:
             raise error

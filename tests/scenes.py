@@ -11,11 +11,6 @@ from pathlib import Path
 import numpy as np
 import shapely
 import sympy
-from gripper_plugins.fingers.tapered import Tapered
-from gripper_plugins.fingers.uniform import Uniform
-from gripper_plugins.jaws.triangle import Triangle
-from gripper_plugins.objects.circle import Circle
-from gripper_plugins.objects.ellipse import Ellipse
 from scipy.spatial import cKDTree
 
 import gripper as gr
@@ -24,6 +19,11 @@ from gripper.equilibrium import Equilibrium, Setting
 from gripper.kinematics import Kinematics
 from gripper.outline import Axis
 from gripper.trace import _Follower
+from gripper_plugins.fingers.tapered import Tapered
+from gripper_plugins.fingers.uniform import Uniform
+from gripper_plugins.jaws.triangle import Triangle
+from gripper_plugins.objects.circle import Circle
+from gripper_plugins.objects.ellipse import Ellipse
 
 REFERENCE = Path(__file__).parent / "reference"
 BEAM = json.loads((REFERENCE / "beam.json").read_text())

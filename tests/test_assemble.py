@@ -6,15 +6,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from gripper_plugins.objects.circle import Circle
-from gripper_plugins.objects.ellipse import Ellipse
-from gripper_plugins.objects.polygon import Polygon
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import NonlinearConstraint, minimize
 
 import gripper as gr
 from gripper.outline import Axis
+from gripper_plugins.objects.circle import Circle
+from gripper_plugins.objects.ellipse import Ellipse
+from gripper_plugins.objects.polygon import Polygon
 from tests.scenes import STRAIGHT, TAPERED, micro_assembly, rotating_finger, unit_finger
 
 ROUND = Circle(radius=0.25)
@@ -181,7 +181,7 @@ def test_the_parameter_chooses_the_pose_of_a_motion() -> None:
 
 
 def test_a_parameter_without_a_motion_is_refused() -> None:
-    with pytest.raises(ValueError, match="parameter must be None in a scene without motion; got 0.3"):
+    with pytest.raises(ValueError, match=r"parameter must be None in a scene without motion; got 0\.3"):
         gr.assemble(SCENES["circle, bending"], 0.3)
 
 

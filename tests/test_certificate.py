@@ -8,11 +8,6 @@ from functools import cache
 import numpy as np
 import pytest
 import shapely
-from gripper_plugins.objects.circle import Circle
-from gripper_plugins.objects.ellipse import Ellipse
-from gripper_plugins.objects.implicit import Implicit
-from gripper_plugins.objects.polygon import Polygon
-from gripper_plugins.objects.spline import Spline
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -23,6 +18,11 @@ from gripper.certificate import DEPTH, Survey, survey
 from gripper.equilibrium import Setting, State
 from gripper.obstacle import Frame, Obstacle
 from gripper.outline import Axis
+from gripper_plugins.objects.circle import Circle
+from gripper_plugins.objects.ellipse import Ellipse
+from gripper_plugins.objects.implicit import Implicit
+from gripper_plugins.objects.polygon import Polygon
+from gripper_plugins.objects.spline import Spline
 from tests.scenes import TAPERED, deepest_within, unit_finger
 from tests.test_outline import BLADE, BLOCK
 

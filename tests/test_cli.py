@@ -102,8 +102,8 @@ def test_the_module_is_the_same_command():
     assert run.stdout == f"gripper {version('gripper')}\n"
 
 
-def test_the_command_line_starts_without_what_is_heavy():
-    code = "import sys, gripper.cli; print({'sympy', 'scipy', 'matplotlib', 'pydantic', 'numpy'} & set(sys.modules))"
+def test_the_command_line_starts_without_what_only_a_command_needs():
+    code = "import sys, gripper.cli; print({'matplotlib', 'pydantic', 'shapely'} & set(sys.modules))"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert run.stdout == "set()\n"
 

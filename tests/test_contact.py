@@ -7,10 +7,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from gripper_plugins.jaws.polygon import PolygonJaw
-from gripper_plugins.objects.ellipse import Ellipse
-from gripper_plugins.objects.implicit import Implicit
-from gripper_plugins.objects.polygon import Polygon
 
 import gripper as gr
 from gripper.beam import Beam
@@ -18,6 +14,10 @@ from gripper.contact import Linearisation, Site, linearise
 from gripper.obstacle import Frame, Obstacle
 from gripper.outline import LOWER, UPPER, Axis, Outline
 from gripper.sections import sections
+from gripper_plugins.jaws.polygon import PolygonJaw
+from gripper_plugins.objects.ellipse import Ellipse
+from gripper_plugins.objects.implicit import Implicit
+from gripper_plugins.objects.polygon import Polygon
 from tests.scenes import STRAIGHT, TAPERED, unit_finger
 
 H = 1e-6

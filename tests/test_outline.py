@@ -7,14 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from gripper_plugins.jaws.polygon import PolygonJaw
-from gripper_plugins.jaws.triangle import Triangle
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gripper.beam import Beam
 from gripper.outline import LOWER, UPPER, Axis, Outline, second_derivative
 from gripper.sections import sections
+from gripper_plugins.jaws.polygon import PolygonJaw
+from gripper_plugins.jaws.triangle import Triangle
 from tests.scenes import STRAIGHT, TAPERED, unit_finger
 
 BLOCK = PolygonJaw(vertices=((-0.01, -0.1), (0.2, -0.1), (0.2, 0.1), (-0.01, 0.1)))

@@ -11,11 +11,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import sympy
-from gripper_plugins.fingers.uniform import Uniform
-from gripper_plugins.jaws.triangle import Triangle
-from gripper_plugins.objects.circle import Circle
-from gripper_plugins.objects.conic import Conic
-from gripper_plugins.objects.implicit import Implicit
 from matplotlib.collections import PolyCollection
 from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
@@ -28,6 +23,11 @@ from gripper.fingers import Material
 from gripper.objects import Object
 from gripper.result import Contact, Event, Model, PoseResult, Result, Shape
 from gripper.scene import Motion, Scene
+from gripper_plugins.fingers.uniform import Uniform
+from gripper_plugins.jaws.triangle import Triangle
+from gripper_plugins.objects.circle import Circle
+from gripper_plugins.objects.conic import Conic
+from gripper_plugins.objects.implicit import Implicit
 
 LENGTH, THICKNESS, RADIUS = 0.2, 0.02, 0.03
 Q = sympy.Symbol("q")

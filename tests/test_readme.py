@@ -19,5 +19,5 @@ def test_the_readme_s_code_runs_in_order_in_one_session(tmp_path: Path, monkeypa
     monkeypatch.chdir(tmp_path)
     names: dict[str, object] = {"__name__": "readme"}
     for i, block in enumerate(BLOCKS):
-        exec(compile(block, f"README.md, block {i}", "exec"), names)
+        exec(compile(block, f"README.md, block {i}", "exec", dont_inherit=True), names)
     assert any(path.suffix in (".png", ".svg") for path in tmp_path.iterdir()), "its figure was not written"

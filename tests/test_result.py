@@ -15,16 +15,16 @@ from importlib.metadata import version
 import numpy as np
 import pytest
 import sympy
-from gripper_plugins.fingers.tapered import Tapered
-from gripper_plugins.fingers.uniform import Uniform
-from gripper_plugins.jaws.triangle import Triangle
-from gripper_plugins.objects.circle import Circle
-from gripper_plugins.objects.ellipse import Ellipse
 
 from gripper.expression import parse
 from gripper.fingers import Finger, Material, S
 from gripper.result import Checks, Contact, ErrorEstimate, Event, LeftOut, Model, PoseResult, Result, Shape
 from gripper.scene import Motion, Scene
+from gripper_plugins.fingers.tapered import Tapered
+from gripper_plugins.fingers.uniform import Uniform
+from gripper_plugins.jaws.triangle import Triangle
+from gripper_plugins.objects.circle import Circle
+from gripper_plugins.objects.ellipse import Ellipse
 
 NUMBERS = [
     "force_on_object",

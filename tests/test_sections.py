@@ -7,8 +7,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 import sympy
-from gripper_plugins.fingers.tapered import Tapered
-from gripper_plugins.fingers.uniform import Uniform
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -16,6 +14,8 @@ import gripper as gr
 from gripper.fields import Positive
 from gripper.fingers import S as ARC
 from gripper.sections import sections
+from gripper_plugins.fingers.tapered import Tapered
+from gripper_plugins.fingers.uniform import Uniform
 from tests.scenes import RUBBER, STRAIGHT, TAPERED, unit_finger
 
 S = np.linspace(0, 1, 41)

@@ -7,16 +7,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import gripper as gr
 from gripper_plugins.fingers.tapered import Tapered
 from gripper_plugins.fingers.uniform import Uniform
 from gripper_plugins.jaws.triangle import Triangle
 from gripper_plugins.objects.circle import Circle
 from gripper_plugins.objects.ellipse import Ellipse
 from gripper_plugins.objects.polygon import Polygon
-from hypothesis import given, settings
-from hypothesis import strategies as st
-
-import gripper as gr
 from tests.scenes import EXACT, Q, unit_finger
 
 TABLE = EXACT[
@@ -62,9 +62,7 @@ SCENES = {
         theory="shear",
     ),
     "tip corner": gr.Scene(finger=unit_finger(0.1), object=Circle(radius=0.25).at(x=1.1, y=-0.2), theory="shear"),
-    "jaw": gr.Scene(
-        finger=unit_finger(jaw=HOOK), object=Circle(radius=0.15).at(x=1.16, y=-0.2), theory="bending"
-    ),
+    "jaw": gr.Scene(finger=unit_finger(jaw=HOOK), object=Circle(radius=0.15).at(x=1.16, y=-0.2), theory="bending"),
     "wedge": gr.Scene(
         finger=unit_finger(0.04),
         object=Polygon(vertices=((-0.2, -0.3), (0.2, -0.3), (0.02, 0.0))).at(x=0.7, y=0.06),
@@ -160,13 +158,9 @@ def test_the_mirrored_scene_has_the_mirrored_answer(name: str) -> None:
 def test_a_stiffer_material_has_the_same_shape_and_as_much_more_force(name: str, decades: float) -> None:
     scene, expected, factor = SCENES[name], ANSWERS[name], 10**decades
     material = scene.finger.material
-    stiffer = replace(
-        material, youngs_modulus=material.youngs_modulus * factor, shear_modulus=material.G * factor
-    )
+    stiffer = replace(material, youngs_modulus=material.youngs_modulus * factor, shear_modulus=material.G * factor)
     found = answer(replace(scene, finger=replace(scene.finger, material=stiffer)))
-    proportional = dict.fromkeys(
-        ("force_on_object_finger_frame", "moment_on_object", "clamp_moment", "energy"), factor
-    )
+    proportional = dict.fromkeys(("force_on_object_finger_frame", "moment_on_object", "clamp_moment", "energy"), factor)
     assert_same(found, expected, proportional)
 
 
@@ -222,9 +216,7 @@ def test_a_thick_finger_on_a_circle_bends_like_a_line_on_a_larger_circle(
 @pytest.mark.parametrize("depth", [1e-3, 1e-5, 1e-6, 1e-7, 1e-8])
 def test_force_and_gap_are_continuous_at_grazing(depth: float, theory: str) -> None:
     """A finger pushed by d at s = 1/2 resists with 24 EI d / L^3 (and a little less with shear)."""
-    pose = answer(
-        gr.Scene(finger=unit_finger(), object=Circle(radius=0.25).at(x=0.5, y=-0.28 + depth), theory=theory)
-    )
+    pose = answer(gr.Scene(finger=unit_finger(), object=Circle(radius=0.25).at(x=0.5, y=-0.28 + depth), theory=theory))
     assert pose.status == "contact"
     assert -pose.force_on_object[1] == pytest.approx(24 * depth, rel=0.02)
 
@@ -283,9 +275,7 @@ def test_an_object_that_comes_to_lie_on_the_clamp_fails_with_a_reason() -> None:
 
 
 def test_a_motion_is_not_one_pose() -> None:
-    scene = gr.Scene(
-        finger=unit_finger(), object=Circle(radius=0.1).at(x=0.5, y=Q), motion=gr.Motion("q", (0.0, 1.0))
-    )
+    scene = gr.Scene(finger=unit_finger(), object=Circle(radius=0.1).at(x=0.5, y=Q), motion=gr.Motion("q", (0.0, 1.0)))
     with pytest.raises(ValueError, match=r"scene must have no motion; gripper.trace\(scene\) follows one"):
         gr.solve(scene)
 

@@ -8,11 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import sympy
+
+import gripper as gr
 from gripper_plugins.objects.circle import Circle
 from gripper_plugins.objects.ellipse import Ellipse
 from gripper_plugins.objects.polygon import Polygon
-
-import gripper as gr
 from tests.scenes import FALLING, Q, deepest_cut, follow, micro_assembly, rotating_finger, unit_finger
 
 ROUND = Circle(radius=0.2)
@@ -69,9 +69,7 @@ def test_the_branch_does_not_depend_on_the_number_of_poses(name: str) -> None:
 @named
 def test_a_single_step_reaches_the_end_of_the_motion(name: str) -> None:
     values = MOTIONS[name](3).motion.values
-    one, other = (
-        traced(replace(MOTIONS[name](3), motion=gr.Motion("q", some)))[-1] for some in (values, values[::2])
-    )
+    one, other = (traced(replace(MOTIONS[name](3), motion=gr.Motion("q", some)))[-1] for some in (values, values[::2]))
     assert_same(one, other, 1e-7)
 
 
@@ -96,7 +94,7 @@ def test_events_on_the_way_back_are_those_of_the_way_out_reversed(name: str) -> 
     half = len(result.events) // 2
     assert len(result.events) == 2 * half
     opposite = {"touch": "release", "release": "touch", "change": "change"}
-    for out, back in zip(result.events[:half], result.events[:half - 1:-1], strict=True):
+    for out, back in zip(result.events[:half], result.events[: half - 1 : -1], strict=True):
         assert back.kind == opposite[out.kind]
         assert back.parameter == pytest.approx(out.parameter, abs=1e-7)
 
@@ -157,41 +155,51 @@ def test_a_circle_that_comes_from_beyond_the_tip_passes_from_the_corner_to_the_f
 # ---- Where the equilibrium ends.
 
 
-def test_a_finger_whose_tip_the_object_leaves_snaps_or_slides_free() -> None:
-    """The circle rises at the tip until the finger slips off its side: afterwards it is straight again."""
-    result = gr.trace(rising(*np.linspace(-0.4, 0.6, 21), x=0.95))
+def slipping(*values: float) -> gr.Scene:
+    """A circle rises at the tip until the tip's corner has slid up its side to a fold of the branch."""
+    return rising(*values, x=0.95)
+
+
+FOLD = (0.645, 0.6465)  # traced with fine steps: the last equilibria, their stability falling from 0.16 to 0
+
+
+def test_a_finger_whose_tip_the_object_leaves_snaps_free() -> None:
+    result = gr.trace(slipping(*np.linspace(-0.4, 1.2, 41)))
     assert not result.failed, (result.failed[0].parameter, result.failed[0].reason)
-    kinds = [event.kind for event in result.events]
-    assert kinds[0] == "touch" and kinds[-1] in ("snap", "release")
-    assert result.poses[-1].status == "free" and result.poses[-1].energy == 0
-    last = result.events[-1].parameter
-    for pose in result.poses[1:]:
-        assert pose.status == ("contact" if result.events[0].parameter < pose.parameter < last else "free")
+    assert [event.kind for event in result.events] == ["touch", "change", "snap"]
+    first, last = result.events[0].parameter, result.events[-1].parameter
+    assert FOLD[0] < last < FOLD[1]
+    for pose in result.poses:
+        assert pose.status == ("contact" if first < pose.parameter < last else "free")
+    assert result.poses[-1].energy == 0
 
 
-def test_where_it_snaps_does_not_depend_on_the_steps() -> None:
-    places = []
-    for count in (11, 21, 41):
-        events = gr.trace(rising(*np.linspace(-0.4, 0.6, count), x=0.95)).events
-        places.append(events[-1].parameter)
-        assert events[-1].kind in ("snap", "release")
-    assert places == pytest.approx([places[0]] * 3, abs=1e-5)
+@pytest.mark.parametrize("count", [2, 11, 41])
+def test_where_it_snaps_does_not_depend_on_the_steps(count: int) -> None:
+    coarse = gr.trace(slipping(*np.linspace(-0.4, 1.2, count))).events
+    fine = gr.trace(slipping(-0.4, *np.linspace(0.64, 0.66, 11))).events
+    assert coarse[-1].kind == fine[-1].kind == "snap"
+    assert coarse[-1].parameter == pytest.approx(fine[-1].parameter, abs=1e-5)
 
 
-def test_energy_is_lost_in_a_snap_and_never_won() -> None:
-    scene = rising(*np.linspace(-0.4, 0.6, 41), x=0.95)
-    result = gr.trace(scene)
-    for before, after in zip(result.poses, result.poses[1:], strict=False):
-        if any(before.parameter < e.parameter <= after.parameter and e.kind == "snap" for e in result.events):
-            assert after.energy <= before.energy
+def test_just_before_a_snap_the_equilibrium_is_about_to_lose_its_stability() -> None:
+    result = gr.trace(slipping(-0.4, *np.linspace(0.6, FOLD[0], 10)))
+    stabilities = [pose.checks.stability for pose in result.poses[1:]]
+    assert stabilities == sorted(stabilities, reverse=True)
+    assert 0 < stabilities[-1] < 0.3
+
+
+def test_no_energy_is_won_in_a_snap() -> None:
+    before, after = gr.trace(slipping(-0.4, 0.64, 0.66)).poses[1:]
+    assert before.status == "contact"
+    assert after.status != "failed", after.reason
+    assert after.energy < before.energy
 
 
 def test_a_pose_without_an_equilibrium_fails_with_a_reason_and_the_poses_before_it_stand() -> None:
     """The object comes to lie on the clamp."""
-    scene = gr.Scene(
-        finger=unit_finger(), object=Circle(radius=0.1).at(x=0.3 - Q, y=-0.1 + 0.1 * Q),
-        motion=gr.Motion("q", (-0.5, 0.0, 0.3)),
-    )  # fmt: skip
+    body = Circle(radius=0.1).at(x=0.3 - Q, y=-0.1 + 0.1 * Q)
+    scene = gr.Scene(finger=unit_finger(), object=body, motion=gr.Motion("q", (-0.5, 0.0, 0.3)))
     result = gr.trace(scene)
     statuses = [pose.status for pose in result.poses]
     assert statuses[-1] == "failed" and "failed" not in statuses[:2]
@@ -249,8 +257,6 @@ def test_a_scene_without_motion_is_not_traced() -> None:
 
 def test_a_pose_that_is_not_finite_is_refused_before_anything_is_solved() -> None:
     q = sympy.Symbol("q")
-    scene = gr.Scene(
-        finger=unit_finger(), object=ROUND.at(x=0.6, y=-1 / q), motion=gr.Motion("q", (1.0, 0.5, 0.0))
-    )
+    scene = gr.Scene(finger=unit_finger(), object=ROUND.at(x=0.6, y=-1 / q), motion=gr.Motion("q", (1.0, 0.5, 0.0)))
     with pytest.raises(ValueError, match="poses must be finite at every pose"):
         gr.trace(scene)

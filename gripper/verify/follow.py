@@ -15,8 +15,10 @@ from gripper.verify.touch import History
 
 LONGEST = 0.15  # of L: a step without friction
 ROUGH = 0.05  # of L: with friction, where the way matters
-SHORTEST = 1e-6  # of L: where steps this short fail, the equilibrium has ended
+SHORTEST = 1e-4  # of L: where steps this short fail, the equilibrium has ended, or needs damping to be found
+GROWTH = 1.5  # of a step on the one before
 DEEPEST = 1e-3  # of the thickness: a deeper contact is no answer
+JUMP = 1e-2  # of L: a larger motion of a node is a snap
 _FURTHEST = 20.0  # of L: beyond this no retreat is tried
 _DESCENTS = 400
 
@@ -119,7 +121,7 @@ class Follower:
             following, distance = self._within(target)
             try:
                 solution = self._step(following)
-                self._bound = 2 * distance if following != target else max(self._bound, 2 * distance)
+                self._bound = max(self._bound, GROWTH * distance)
             except ArithmeticError as error:
                 self._bound = distance / 2
                 if self._bound < SHORTEST * self.setting.length:
@@ -177,7 +179,7 @@ class Follower:
         frame, body = self._path(following), self.system.body
         scale = np.full(body.size, self.setting.stiffness)
         scale[body.size - body.moves_jaw :] *= self.setting.length**2
-        drag, unknowns = 1e-2, self._unknowns
+        drag, unknowns, before = 1e-2, self._unknowns, self.history.positions
         for _ in range(_DESCENTS):
             damped = replace(self.system, drag=drag * scale, anchor=unknowns)
             try:
@@ -188,13 +190,15 @@ class Follower:
                     break
                 continue
             self._accept(following, frame, solution)
-            unknowns, drag = solution.unknowns, drag / 3
+            unknowns, drag = solution.unknowns, drag / (3 if solution.iterations < 12 else 1.5)
             if drag < 1e-12:
                 solution = self.system.solve(unknowns, frame, self.history)
                 if not self.system.stable(solution):
                     break
                 self._accept(following, frame, solution)
-                self._rate, self.snapped = np.zeros_like(unknowns), True
+                self._rate = np.zeros_like(unknowns)
+                jump = float(np.max(np.abs(solution.positions - before)))
+                self.snapped |= jump > JUMP * self.setting.length
                 return solution
         raise NoSolutionError(f"no equilibrium to follow, and none found by descent: {error}")
 

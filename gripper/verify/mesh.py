@@ -131,9 +131,7 @@ def build(finger: Finger, elements: tuple[int, int], jaw: JawKind = "rigid") -> 
     def width(at: Array) -> Array:
         return b(np.minimum(at, L))
 
-    return Mesh(
-        nodes, patches, m, int(grid[end, n_across]), polygon is not None, rigid, *outline.arrays(), size, width
-    )
+    return Mesh(nodes, patches, m, int(grid[end, n_across]), polygon is not None, rigid, *outline.arrays(), size, width)
 
 
 class _Outline:
@@ -191,7 +189,9 @@ def _with_jaw(polygon: Array, s: Array, lower: Array, upper: Array, size: float)
     chain = polygon[np.argsort(polygon[:, 0], kind="stable")]
     flat = np.abs(chain[[0, -1], 1] - face) < 1e-9 * abs(face)
     if len(chain) != 3 or not flat.all() or chain[0, 0] != 0 or not 0 < chain[1, 0] < chain[2, 0]:
-        raise ValueError("jaw must be a triangle on the finger's face that starts at its end, to be meshed; got another")
+        raise ValueError(
+            "jaw must be a triangle on the finger's face that starts at its end, to be meshed; got another"
+        )
     more = stations(tuple(chain[:, 0]), max(2, round(chain[-1, 0] / size)))[1:]
     edge = np.interp(more, chain[:, 0], chain[:, 1])
     other = np.full(len(more), upper[-1] if below else lower[-1])

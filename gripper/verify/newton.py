@@ -16,7 +16,7 @@ from gripper.verify.material import InvertedError
 from gripper.verify.motion import Frame
 from gripper.verify.touch import History, Touch
 
-MOST_ITERATIONS = 25
+MOST_ITERATIONS = 16
 STAGES = ((1 / 256, 0.1), (1 / 16, 0.1), (1.0, 1e-9))
 """Of the contact's stiffness: its share, and the residual over the contact forces that ends the stage."""
 _SEARCHES = 6
@@ -70,9 +70,7 @@ class System:
     drag: Array | None = None
     anchor: Array | None = None
 
-    def residual(
-        self, unknowns: Array, frame: Frame, history: History
-    ) -> tuple[Array, Touch]:
+    def residual(self, unknowns: Array, frame: Frame, history: History) -> tuple[Array, Touch]:
         """Forces on the unknowns that are out of balance, and the contact forces."""
         positions = self.body.positions(unknowns)
         _, forces = self.elements.forces(positions)
