@@ -221,7 +221,8 @@ def settle(setting: Setting, obstacle: Obstacle, state: State, order: int) -> Eq
         way += length
         last = length / (float(np.linalg.norm(state.z)) + _NO_STRAIN)
         last = max(last, np.max(np.abs(dplaces), initial=0.0))
-        if not np.isfinite(last) or np.linalg.norm(state.z) > _WILD:
+        heaviest = np.max(np.abs(state.multipliers), initial=0.0)
+        if not np.isfinite(last) or np.linalg.norm(state.z) > _WILD or heaviest > _WILD**2:
             raise NoEquilibriumError("Newton's iteration diverged")
     raise NoEquilibriumError(f"Newton's iteration did not converge in {_ITERATIONS} steps")
 

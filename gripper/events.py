@@ -114,7 +114,7 @@ def touched_at(setting: Setting, path: Path, old: Along, stop: float) -> float:
     def least(parameter: float) -> float:
         obstacle = setting.obstacle(path.frame(parameter))
         found = least_gaps(setting, obstacle, state, survey(setting, obstacle, state, brief=True))
-        return min((gap for gap, _ in found), default=1.0)
+        return min((gap for gap, _ in found), default=1.0) + _GRAZED
 
     return _bracketed(least, old.parameter, stop)
 

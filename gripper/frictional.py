@@ -177,9 +177,13 @@ class FrictionTracker(Tracker):
         rest = self._travel(touch, following)
         near = touch + (following - touch) * _NUDGE / rest if rest > _NUDGE else following
         self.heading = float(np.sign(following - start))
+        found = None
         try:
             found = self._decided(self._touched(near), near)
         except NoEquilibriumError:
+            if near == following:
+                raise
+        if found is None or not found.equilibrium.state.sites:
             near = following
             found = self._decided(self._touched(near), near)
         self._accept(near, found)

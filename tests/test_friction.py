@@ -260,7 +260,7 @@ def test_friction_along_any_motion_follows_coulomb_s_law_and_dissipates(mu, x, d
         check_coulomb(pose, lambda _: mu)
         assert pose.dissipation >= lost
         most = max(most, pose.energy)
-        assert pose.work - pose.dissipation == pytest.approx(pose.energy, rel=2e-3, abs=1e-3 * most + 1e-7)
+        assert pose.work - pose.dissipation == pytest.approx(pose.energy, rel=5e-3, abs=5e-3 * most + 1e-7)
         lost = pose.dissipation
 
 
