@@ -13,6 +13,8 @@ and Assembly Applications". SI units and radians throughout.
 from gripper.assemble import Problem, assemble
 from gripper.fields import Expression, Finite, Point, Positive, Profile, Surface
 from gripper.fingers import Finger, Jaw, Material
+from gripper.friction import Coefficients, Friction
+from gripper.loop import Loop
 from gripper.objects import FeatureSurface, ImplicitSurface, Object
 from gripper.pose import Placed, Pose
 from gripper.result import Contact, Event, PoseResult, Result
@@ -21,14 +23,17 @@ from gripper.solve import solve
 from gripper.trace import trace
 
 __all__ = [
+    "Coefficients",
     "Contact",
     "Event",
     "Expression",
     "FeatureSurface",
     "Finger",
     "Finite",
+    "Friction",
     "ImplicitSurface",
     "Jaw",
+    "Loop",
     "Material",
     "Motion",
     "Object",

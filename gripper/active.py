@@ -12,7 +12,8 @@ from gripper.assemble import Candidate, Problem, least_gaps, near, vertex_height
 from gripper.beam import legendre
 from gripper.certificate import DEPTH, Survey, survey
 from gripper.contact import NARROW, WIDE, Site, linearise
-from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, settle
+from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, anchored, settle
+from gripper.grip import dressed
 from gripper.obstacle import Obstacle
 from gripper.outline import LOWER, UPPER, Axis
 
@@ -70,21 +71,28 @@ def fit_patches(setting: Setting, equilibrium: Equilibrium) -> tuple[Site, ...]:
     """
     if setting.theory == "bending":
         return equilibrium.state.sites
-    sites, column = [], 0
+    sites, column, after = [], 0, 0
     for i, site in enumerate(equilibrium.state.sites):
-        column += site.unknown_places
+        column, after = after, after + site.unknowns
         if site.kind == "tangent" and site.on_face:
             force = abs(complex(equilibrium.linear.forces[i].sum()))
-            curvature = float(equilibrium.linear.residual_slopes[column - 1, column - 1])
+            curvature = float(equilibrium.linear.residual_slopes[column, column])
             site = _patch(setting, equilibrium, site, force, curvature)
         elif site.kind == "patch" and site.place[1] - site.place[0] < _PATCH / 2:
-            site = replace(site, kind="tangent", place=(site.middle,), modes=1)
+            site = replace(_loosened(site), kind="tangent", place=(site.middle,), modes=1)
         elif site.kind in ("patch", "tail"):
             modes = _modes(setting, site)
             if modes > site.modes or _modes(setting, site, slack=1.4) < site.modes:  # down later than up
                 site = replace(site, modes=modes)
         sites.append(site)
     return tuple(sites)
+
+
+def _loosened(site: Site) -> Site:
+    """A contact whose kind changes: where it sticks it does so from here on."""
+    if site.grip is None or site.grip.hold != "stick":
+        return site
+    return replace(site, grip=replace(site.grip, anchor=None))
 
 
 def _modes(setting: Setting, site: Site, slack: float = 1.0) -> int:
@@ -107,13 +115,13 @@ def _patch(setting: Setting, equilibrium: Equilibrium, site: Site, force: float,
     if force > rigidity * max(curvature, 0.0) * _FLUSH * decay:
         stop = _flat_until(setting, equilibrium.obstacle, equilibrium.state, site, _DECAYED * decay)
         if stop - site.place[0] > _FLUSH * decay:
-            return replace(site, kind="tail", place=(site.place[0] - decay / 2, stop), modes=WIDE)
+            return replace(_loosened(site), kind="tail", place=(site.place[0] - decay / 2, stop), modes=WIDE)
         return site
     width = force / (rigidity * curvature)
     if width < _PATCH:
         return site
     start, stop = site.place[0] - width / 2, site.place[0] + width / 2
-    return replace(site, kind="patch", place=(max(start, 1e-6), stop), modes=NARROW)
+    return replace(_loosened(site), kind="patch", place=(max(start, 1e-6), stop), modes=NARROW)
 
 
 def _flat_until(setting: Setting, obstacle: Obstacle, state: State, site: Site, reach: float) -> float:
@@ -218,6 +226,8 @@ def stability(equilibrium: Equilibrium) -> float:
     lin = equilibrium.linear
     if not len(lin.values):
         return 1.0
+    if lin.rubbing is not None:
+        return definiteness(equilibrium)
     # places follow the motion: eliminate them where the gap is curved (points); where it is flat the tangent itself
     # is held; a patch is held by its pressures
     hessian, held = np.eye(lin.gradients.shape[1]) - lin.hessian, [lin.gradients]
@@ -234,6 +244,47 @@ def stability(equilibrium: Equilibrium) -> float:
     q = np.linalg.qr(constraints.T, mode="complete")[0][:, len(constraints) :]
     reduced = q.T @ hessian @ q
     return float(np.linalg.eigvalsh((reduced + reduced.T) / 2)[0])
+
+
+def definiteness(equilibrium: Equilibrium) -> float:
+    """With friction: 1 where the tangent stiffness of the free motions has a positive determinant, as without, else -1.
+
+    The free motions keep the contacts; what the contact forces may do in reply spans other directions than the
+    constraints' gradients, so that the stiffness is taken between the complements of both.
+    """
+    lin = equilibrium.linear
+    hessian = np.eye(lin.gradients.shape[1]) - lin.hessian
+    rows, columns = list(lin.gradients), list(lin.loads)
+    at = 0
+    for site in equilibrium.state.sites:
+        stuck, turned = at + site.unknown_places, 0.0
+        if site.kind in ("tangent", "vertex"):
+            slide, curvature = lin.residual_gradients[at], float(lin.residual_slopes[at, at])
+            if abs(curvature) < _FLAT:
+                rows.append(slide)
+                columns.append(lin.load_slopes[:, at])
+            else:
+                hessian += np.outer(lin.load_slopes[:, at], slide) / curvature
+                turned = 1 / curvature
+        if site.unknowns > site.unknown_places:
+            rolled = turned * lin.residual_slopes[stuck, at] * lin.residual_gradients[at] if turned else 0.0
+            rows.append(lin.residual_gradients[stuck] - rolled)
+            columns.append(lin.load_slopes[:, stuck])
+        at += site.unknowns
+    free = np.linalg.qr(np.array(rows).T, mode="complete")[0][:, len(rows) :]
+    left = np.linalg.qr(np.array(columns).T, mode="complete")[0][:, len(rows) :]
+    stiffness, measure = np.linalg.slogdet(left.T @ hessian @ free)[0], np.linalg.slogdet(left.T @ free)[0]
+    return float(stiffness * measure)
+
+
+def held(setting: Setting, obstacle: Obstacle, start: State, guess: State) -> State:
+    """A guess whose contacts hold as those of the start that they continue; they stick from where that had them."""
+    if setting.friction is None or not guess.sites:
+        return guess
+    sites = dressed(setting.friction, start.sites, guess.sites)
+    before = replace(start, sites=sites, multipliers=guess.multipliers)
+    lin = linearise(start.beam, start.z, setting.outline, obstacle, sites, guess.multipliers)
+    return replace(guess, sites=anchored(before, lin).sites)
 
 
 def find(setting: Setting, obstacle: Obstacle, start: State, order: int) -> Verified:
@@ -255,7 +306,7 @@ def find(setting: Setting, obstacle: Obstacle, start: State, order: int) -> Veri
         relaxed = problem.state(answer.x)
         for sites, multipliers in _active_sets(setting, problem, answer.x, np.atleast_1d(answer.multipliers)):
             try:
-                guess = State(relaxed.beam, relaxed.z, sites, multipliers)
+                guess = held(setting, obstacle, start, State(relaxed.beam, relaxed.z, sites, multipliers))
                 settled = _loaded(setting, settle_contacts(setting, obstacle, guess, order), order)
                 verified = verify(setting, settled)
             except NoEquilibriumError as error:

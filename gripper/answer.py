@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -12,8 +12,9 @@ from gripper.active import Verified
 from gripper.arrays import Array, Complex
 from gripper.beam import Beam
 from gripper.clearance import clearance
-from gripper.contact import Site, linearise
+from gripper.contact import Linearisation, Site, linearise
 from gripper.equilibrium import Equilibrium, Setting, kkt_step
+from gripper.grip import tipward
 from gripper.kinematics import Placement
 from gripper.outline import Axis, Part, dot
 from gripper.result import Checks, Contact, ErrorEstimate, PoseResult, Shape
@@ -23,6 +24,7 @@ NO_FORCE = 1e-9
 STATIONARY = 1e-8
 BALANCED = 1e-2
 _DRAWN = 81
+_STATES = {"open": "slip", "slip": "slip", "stick": "stick"}
 _CONFORMING = 0.06  # of L: nodes nearer to one another than this are one contact
 
 
@@ -63,14 +65,14 @@ def check(setting: Setting, verified: Verified) -> Checks:
             penetration_bound=bound,
             certificate=certificate,
         )
-    load = lin.gradients.T @ state.multipliers
+    load = lin.loads.T @ state.multipliers
     total = max(float(np.sum(np.abs(np.concatenate(lin.forces)))), NO_FORCE)
     force, moment = _imbalance(setting, equilibrium)
     return Checks(
         stationarity=float(np.linalg.norm(state.z - load)) / max(float(np.linalg.norm(load)), NO_FORCE),
         force_balance=force / total,
         moment_balance=moment / total,
-        stability=verified.stability,
+        stability=verified.stability if lin.rubbing is None else None,
         penetration_bound=bound,
         certificate=certificate,
     )
@@ -123,7 +125,7 @@ def pose_result(setting: Setting, answer: Answer, parameter: float | None, place
     if reason:
         return PoseResult.failed(parameter, reason, answer.iterations, answer.seconds)
     scales, equilibrium = setting.sections, answer.verified.equilibrium
-    state, lin = equilibrium.state, equilibrium.linear
+    state = equilibrium.state
     force = -equilibrium.force * scales.force_scale
     turn = placement.turn
     points, forces = _loads(equilibrium)
@@ -136,7 +138,7 @@ def pose_result(setting: Setting, answer: Answer, parameter: float | None, place
         force_on_object=_vector(turn * force),
         force_on_object_finger_frame=_vector(force),
         moment_on_object=moment * scales.energy_scale,
-        motion_force=None if parameter is None else -float(state.multipliers @ lin.value_rates) * scales.energy_scale,
+        motion_force=None if parameter is None else drive(equilibrium) * scales.energy_scale,
         clamp_moment=cross(points, forces) * scales.energy_scale,
         energy=state.energy * scales.energy_scale,
         tip=_vector(placement.origin + turn * complex(position[0]) * scales.length),
@@ -160,6 +162,12 @@ def _loads(equilibrium: Equilibrium) -> tuple[Complex, Complex]:
     """All contact points and the forces on the finger there."""
     lin, none = equilibrium.linear, np.zeros(0, dtype=complex)
     return np.concatenate([none, *lin.points]), np.concatenate([none, *lin.forces])
+
+
+def drive(equilibrium: Equilibrium) -> float:
+    """Work that the object puts into the finger per unit of the parameter: -(F . v + M omega)."""
+    points, forces = _loads(equilibrium)
+    return float(np.sum(dot(forces, equilibrium.obstacle.velocities(points))))
 
 
 def _max_strain(setting: Setting, equilibrium: Equilibrium) -> float:
@@ -201,13 +209,14 @@ def contacts(setting: Setting, equilibrium: Equilibrium, placement: Placement) -
     out = []
     for members in groups.values():
         points = np.concatenate([lin.points[i] for i in members])
-        forces = np.concatenate([lin.forces[i] for i in members])
+        forces = np.concatenate([lin.forces[i] / _incline(lin, i) for i in members])  # normal forces
         weights = np.abs(forces)
         total = complex(forces.sum())
         if abs(total) <= NO_FORCE:
             continue
         on, places = _places(setting, [sites[i] for i in members], [lin.stations[i] for i in members])
         extent = [s for i in members for s in _extent(setting, sites[i])]
+        rubbing = complex(sum(lin.forces[i].sum() for i in members)) - total
         out.append(
             Contact(
                 on=on,
@@ -216,9 +225,23 @@ def contacts(setting: Setting, equilibrium: Equilibrium, placement: Placement) -
                 point=_vector(placement.origin + placement.turn * complex(weights @ points / weights.sum()) * length),
                 normal=_vector(placement.turn * total / abs(total)),
                 normal_force=abs(total) * setting.sections.force_scale,
+                **_friction(setting, sites[members[0]], rubbing, total),
             )
         )
     return tuple(sorted(out, key=lambda contact: contact.s))
+
+
+def _incline(lin: Linearisation, i: int) -> complex:
+    """From the normal force to the force at a contact: 1 - i rho."""
+    return 1.0 if lin.rubbing is None else 1 - 1j * lin.rubbing.ratios[i]
+
+
+def _friction(setting: Setting, site: Site, rubbing: complex, normal: complex) -> dict[str, Any]:
+    """Friction on the object towards the tip, and whether the contact sticks."""
+    if site.grip is None:
+        return {}
+    along = (1j * normal.conjugate() / abs(normal) * rubbing).real * tipward(site, setting.outline)
+    return {"tangential_force": -along * setting.sections.force_scale, "state": _STATES[site.grip.hold]}
 
 
 def _conform(one: Site, other: Site) -> bool:

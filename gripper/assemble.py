@@ -17,6 +17,8 @@ from gripper.arrays import Array, Index
 from gripper.certificate import Survey, survey
 from gripper.contact import Site, linearise
 from gripper.equilibrium import Setting, State
+from gripper.friction import Friction
+from gripper.grip import Law
 from gripper.kinematics import Kinematics
 from gripper.obstacle import Obstacle
 from gripper.outline import LOWER, UPPER, Axis, Outline, dot
@@ -49,7 +51,23 @@ def setting(scene: Scene) -> Setting:
     finger = placed(scene.finger).body
     profile = sections(finger)
     theory: Literal["bending", "shear"] = "bending" if scene.theory == "bending" else "shear"
-    return Setting(profile, Outline(profile), theory, placed(scene.object).body, scene.tolerance)
+    outline = Outline(profile)
+    friction = _law(scene, outline, profile.length)
+    return Setting(profile, outline, theory, placed(scene.object).body, scene.tolerance, friction)
+
+
+def _law(scene: Scene, outline: Outline, length: float) -> Law | None:
+    """Friction in equilibrium, where there is any: mu = 0 leaves all of it out."""
+    friction = scene.friction
+    if friction is None or friction.absent or friction.model == "published":
+        return None
+    return law(friction, outline, length)
+
+
+def law(friction: Friction, outline: Outline, length: float) -> Law:
+    """Coulomb's law on a finger of this outline and length (m)."""
+    sense = {"tipward": 1, "baseward": -1, None: 0}[friction.sense]
+    return Law(friction.finger, friction.on_jaw(length), outline, length, sense)
 
 
 def first_order(tolerance: float) -> int:
@@ -60,7 +78,9 @@ def first_order(tolerance: float) -> int:
 def left_out(scene: Scene) -> tuple[LeftOut, ...]:
     """What this scene does not need, and why."""
     finger = placed(scene.finger).body
-    out = [LeftOut(what="friction", why="none is given")]
+    out = []
+    if scene.friction is None or scene.friction.absent:
+        out.append(LeftOut(what="friction", why="coefficient is 0" if scene.friction else "none is given"))
     if scene.theory == "bending":
         out.append(LeftOut(what="shear strain", why="theory is bending"))
     out.append(LeftOut(what="stretch of the axis", why=f"theory is {scene.theory}"))

@@ -25,8 +25,10 @@ import numpy as np
 
 from gripper.arrays import Array, Complex, Index
 from gripper.beam import Beam, legendre
+from gripper.grip import Grip
 from gripper.obstacle import Obstacle
 from gripper.outline import UPPER, Axis, Outline, Stations, dot, second_derivative
+from gripper.rubbing import Rubbing, rub
 
 Kind = Literal["tangent", "corner", "node", "vertex", "patch", "tail"]
 NARROW, WIDE = 2, 8
@@ -46,6 +48,8 @@ class Site:
     place: tuple[float, ...]
     vertex: int = -1
     modes: int = 1  # of its pressure
+    grip: Grip | None = None
+    """How it holds; None without friction."""
 
     @property
     def multipliers(self) -> int:
@@ -58,19 +62,33 @@ class Site:
         return {"tangent": 1, "corner": 0, "node": 0, "vertex": 1, "patch": 2, "tail": 1}[self.kind]
 
     @property
+    def unknowns(self) -> int:
+        """Unknown coordinates of its place, and the ratio of its friction where that is unknown: the last one."""
+        return self.unknown_places + (self.grip is not None and self.grip.unknown)
+
+    @property
     def on_face(self) -> bool:
         """Whether it lies on a flexible face."""
         return self.piece <= UPPER
 
     @property
     def middle(self) -> float:
-        """Its place, or the middle of its patch."""
-        return sum(self.place) / len(self.place)
+        """Its place, or the middle of its patch (0 of a corner)."""
+        return sum(self.place) / len(self.place) if self.place else 0.0
 
-    def moved(self, places: Array) -> Site:
-        """The same contact at other values of its unknown places."""
-        place = (*map(float, places), self.place[1]) if self.kind == "tail" else tuple(map(float, places))
-        return replace(self, place=place) if self.unknown_places else self
+    @property
+    def coordinates(self) -> Array:
+        """Values of its unknowns."""
+        ratio = () if self.grip is None or not self.grip.unknown else (self.grip.ratio,)
+        return np.array([*self.place[: self.unknown_places], *ratio])
+
+    def moved(self, coordinates: Array) -> Site:
+        """The same contact at other values of its unknowns."""
+        places = tuple(map(float, coordinates[: self.unknown_places]))
+        site = replace(self, place=(*places, self.place[1]) if self.kind == "tail" else places) if places else self
+        if self.grip is None or not self.grip.unknown:
+            return site
+        return replace(site, grip=replace(self.grip, ratio=float(coordinates[-1])))
 
     def breaks(self) -> tuple[float, ...]:
         """Where the strains have kinks because of it."""
@@ -104,6 +122,8 @@ class Linearisation:
     points: tuple[Complex, ...]  # per site, where it touches, (j,)
     forces: tuple[Complex, ...]  # per site, force on the finger at those points, (j,)
     stations: tuple[Array, ...]  # per site, the place u of those points, (j,)
+    loads: Array  # unit loads of the multipliers on z: C_z, and friction's part, (m, n)
+    rubbing: Rubbing | None = None
 
 
 def linearise(
@@ -127,7 +147,7 @@ def linearise(
     piece = np.concatenate([np.full(len(q), site.piece) for site, q in zip(sites, queries, strict=True)])
     axis = Axis.of(beam, z)
     stations = _stations(axis, outline, piece, u, sites, queries, kinks)
-    system = _System(beam, sites, stations, obstacle)
+    system = System(beam, sites, stations, obstacle)
     first = row = column = 0
     for site, places in zip(sites, queries, strict=True):
         span = slice(first, first + len(places))
@@ -138,7 +158,10 @@ def linearise(
             system.add_patch(site, span, row, column, load)
         else:
             system.add_point(site, first, row, column, load[0])
-        first, row, column = span.stop, row + site.multipliers, column + site.unknown_places
+        system.layout.append((span, row, column))
+        first, row, column = span.stop, row + site.multipliers, column + site.unknowns
+    if sites[0].grip is not None:
+        rub(system, outline, u)
     hessian = second_derivative(axis, stations, system.pull) + system.extra
     hessian += system.stiffened()
     return system.linearisation(hessian, queries)
@@ -150,7 +173,7 @@ def _nothing(size: int) -> Linearisation:
     forces = np.zeros(size) + 0j, none + 0j, none + 0j
     whole = np.zeros((size, size))
     return Linearisation(
-        none, wide, square, none, wide, square, wide.T, whole, none, none, np.zeros(size), *forces, (), (), ()
+        none, wide, square, none, wide, square, wide.T, whole, none, none, np.zeros(size), *forces, (), (), (), wide
     )
 
 
@@ -207,12 +230,13 @@ def _segments(beam: Beam, site: Site, kinks: bool) -> tuple[int, int]:
     return (nearest, nearest + 1) if abs(inner[nearest] - middle) < _AT_BREAK else (own, own)
 
 
-class _System:
+class System:
     """The arrays of a linearisation while its contacts are written into them."""
 
     def __init__(self, beam: Beam, sites: tuple[Site, ...], stations: Stations, obstacle: Obstacle) -> None:
         size, self.order = beam.size, beam.order
-        m, k, q = sum(s.multipliers for s in sites), sum(s.unknown_places for s in sites), len(stations.points)
+        m, k, q = sum(s.multipliers for s in sites), sum(s.unknowns for s in sites), len(stations.points)
+        self.layout: list[tuple[slice, int, int]] = []  # of each site: its queries, first row, first column
         self.sites, self.stations, self.obstacle = sites, stations, obstacle
         self.gap, self.normal, (self.a, self.b) = obstacle.curvature(stations.points)
         tangents = stations.tangents
@@ -230,11 +254,19 @@ class _System:
         self.residuals, self.residual_gradients = np.zeros(k), np.zeros((k, size))
         self.residual_slopes, self.load_slopes = np.zeros((k, k)), np.zeros((size, k))
         self.value_rates, self.residual_rates, self.load_rates = np.zeros(m), np.zeros(k), np.zeros(size)
+        self.loads = self.gradients  # friction adds to a copy
+        self.corners: dict[int, tuple[complex, Array, float]] = {}  # the object's: n, and its turning by z and by u
+        self.rubbing: Rubbing | None = None
         self.weights = np.zeros(q)  # force along grad g at each query
+        self.turns: Complex | float = 1.0  # 1 - i rho at each query: from the normal force to the force
         self.pull = np.zeros(q, dtype=complex)
         self.extra = np.zeros((size, size))
         self.force_gradient = np.zeros(size, dtype=complex)
         self.force_multipliers, self.force_places = np.zeros(m, dtype=complex), np.zeros(k, dtype=complex)
+
+    def rule(self, site: Site) -> tuple[Array, Array]:
+        """Where a patch is evaluated, on [-1, 1], and its pressure modes there."""
+        return pressure_rule(site.modes, self.order)
 
     def _curved(self, vectors: Complex) -> Complex:
         """The object's Hessian times vectors."""
@@ -253,6 +285,8 @@ class _System:
         gradients, weights = self.stations.gradients[active], self.weights[active]
         a, b = (weights * self.a[active])[:, None], (weights * self.b[active])[:, None]
         curved = a * gradients + b * gradients.conj()
+        if self.rubbing is not None:
+            curved *= np.asarray(self.turns)[active][:, None]
         self.force_gradient += curved.sum(axis=0)
         return gradients.real.T @ curved.real + gradients.imag.T @ curved.imag
 
@@ -270,7 +304,7 @@ class _System:
 
     def add_patch(self, site: Site, span: slice, row: int, column: int, load: Array) -> None:
         """Pressure over [a, b]: the gap's moments vanish, and the gap at the free ends."""
-        x, mean = pressure_rule(site.modes, self.order)
+        x, mean = self.rule(site)
         gauss = slice(span.start, span.start + x.size)
         rows = slice(row, row + site.modes)
         forces = load @ mean
@@ -318,6 +352,7 @@ class _System:
         self.force_gradient -= force * side * t * turn_z
         mixed = np.outer(pass_by, turn_z)
         self.extra -= force * side * (mixed + mixed.T + height * np.outer(turn_z, turn_z))
+        self.corners[i] = n, turn_z, turn_u
 
     def linearisation(self, hessian: Array, queries: list[Array]) -> Linearisation:
         """The finished arrays, with the contact forces point by point."""
@@ -342,4 +377,6 @@ class _System:
             tuple(self.stations.points[cut] for cut in cuts),
             tuple(self.pull[cut] for cut in cuts),
             tuple(q[: len(q) - e] for q, e in zip(queries, ends, strict=True)),
+            self.loads,
+            self.rubbing,
         )

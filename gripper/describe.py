@@ -9,6 +9,7 @@ import sympy
 from sympy.printing.str import StrPrinter
 
 from gripper.fingers import Finger, Jaw, Material
+from gripper.friction import Coefficients, Friction
 from gripper.pose import Pose, placed
 from gripper.registry import installed
 from gripper.scene import Motion, Scene
@@ -74,6 +75,11 @@ def _motion(motion: Motion) -> dict[str, Any]:
     return {"parameter": motion.parameter, "values": list(motion.values)}
 
 
+def _friction(friction: Friction) -> dict[str, Any]:
+    mu = friction.coefficient
+    return _fields(friction) | {"coefficient": _fields(mu) if isinstance(mu, Coefficients) else _value(mu)}
+
+
 def describe(scene: Scene) -> dict[str, Any]:
     """Write the scene as nested plain data: a scene file's tables, SI units, expressions as text, defaults filled in.
 
@@ -89,4 +95,6 @@ def describe(scene: Scene) -> dict[str, Any]:
         "approach": {"direction": list(scene.approach)},
         "solver": {"theory": scene.theory, "tolerance": scene.tolerance},
     }
+    if scene.friction:
+        tables["friction"] = _friction(scene.friction)
     return tables | ({"motion": _motion(scene.motion)} if scene.motion else {})

@@ -4,12 +4,15 @@ Unknowns are the beam's z, the multipliers lambda and the contacts' places u; th
 
     z - C_z^T lambda = 0,   C(z, u) = 0,   R(z, u) = 0,
 
-V's Hessian being the identity. The same matrix gives the tangent along a motion, the stability and the error
-estimate. Segments end at the contacts: they are cut anew until the places that come out are those that went in.
+V's Hessian being the identity. With friction the loads are not C_z but what the inclined forces do, and a contact that
+sticks has one more unknown, its ratio of friction, and one more equation: no slip (:mod:`gripper.rubbing`). The same
+matrix gives the tangent along a motion, the stability and the error estimate. Segments end at the contacts: they are
+cut anew until the places that come out are those that went in.
 """
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -17,6 +20,7 @@ import numpy as np
 from gripper.arrays import Array
 from gripper.beam import Beam, BeamTheory
 from gripper.contact import Linearisation, Site, linearise
+from gripper.grip import Law, leader
 from gripper.objects import Object
 from gripper.obstacle import Frame, Obstacle
 from gripper.outline import Outline
@@ -41,6 +45,7 @@ class Setting:
     theory: BeamTheory
     body: Object
     tolerance: float
+    friction: Law | None = None
 
     def obstacle(self, frame: Frame) -> Obstacle:
         """The object at a pose."""
@@ -72,17 +77,17 @@ class State:
 
     @property
     def places(self) -> Array:
-        """All unknown places, one after the other."""
-        return np.array([p for site in self.sites for p in site.place[: site.unknown_places]])
+        """The contacts' unknowns, one after the other."""
+        return np.concatenate([np.zeros(0), *(site.coordinates for site in self.sites)])
 
     def moved(self, dz: Array, dmultipliers: Array, dplaces: Array) -> State:
         """The state after a step in all unknowns."""
         sites, first = [], 0
         for site in self.sites:
-            last = first + site.unknown_places
-            sites.append(site.moved(np.array(site.place[: site.unknown_places]) + dplaces[first:last]))
+            last = first + site.unknowns
+            sites.append(site.moved(site.coordinates + dplaces[first:last]))
             first = last
-        return State(self.beam, self.z + dz, tuple(sites), self.multipliers + dmultipliers)
+        return State(self.beam, self.z + dz, _shared(tuple(sites)), self.multipliers + dmultipliers)
 
     def on(self, beam: Beam) -> State:
         """The same strains on other segments."""
@@ -108,6 +113,10 @@ class Equilibrium:
 
     def tangent(self) -> tuple[Array, Array, Array]:
         """Rates of z, the multipliers and the places with the motion's parameter."""
+        return self._tangent
+
+    @functools.cached_property
+    def _tangent(self) -> tuple[Array, Array, Array]:
         lin = self.linear
         rates = np.linalg.solve(self.matrix(), np.concatenate([lin.load_rates, -lin.value_rates, -lin.residual_rates]))
         return _split(rates, lin)
@@ -118,6 +127,29 @@ class Equilibrium:
         return complex(sum(f.sum() for f in self.linear.forces))
 
 
+def anchored(state: State, lin: Linearisation) -> State:
+    """Contacts that stick and have no anchor yet begin to where they are."""
+    if lin.rubbing is None or not any(s.grip and s.grip.hold == "stick" and s.grip.anchor is None for s in state.sites):
+        return state
+    sites = [
+        replace(site, grip=replace(site.grip, anchor=anchor))
+        if site.grip is not None and site.grip.hold == "stick" and site.grip.anchor is None
+        else site
+        for site, anchor in zip(state.sites, lin.rubbing.anchors, strict=True)
+    ]
+    return replace(state, sites=tuple(sites))
+
+
+def _shared(sites: tuple[Site, ...]) -> tuple[Site, ...]:
+    """Contacts that follow another in stick take its ratio over."""
+    out = list(sites)
+    for i, site in enumerate(sites):
+        if site.grip is not None and site.grip.follows and site.grip.hold == "stick":
+            first = sites[leader(site.grip.law.outline, sites, i)].grip
+            out[i] = replace(site, grip=replace(site.grip, ratio=first.ratio if first else 0.0))
+    return tuple(out)
+
+
 class NoEquilibriumError(Exception):
     """Newton found no equilibrium with this set of contacts; says why."""
 
@@ -126,7 +158,7 @@ def _matrix(lin: Linearisation) -> Array:
     n, m, k = lin.gradients.shape[1], len(lin.values), len(lin.residuals)
     matrix = np.zeros((n + m + k, n + m + k))
     matrix[:n, :n] = np.eye(n) - lin.hessian
-    matrix[:n, n : n + m], matrix[:n, n + m :] = -lin.gradients.T, -lin.load_slopes
+    matrix[:n, n : n + m], matrix[:n, n + m :] = -lin.loads.T, -lin.load_slopes
     matrix[n : n + m, :n], matrix[n : n + m, n + m :] = lin.gradients, lin.value_slopes
     matrix[n + m :, :n], matrix[n + m :, n + m :] = lin.residual_gradients, lin.residual_slopes
     return matrix
@@ -145,7 +177,7 @@ def kkt_step(state: State, lin: Linearisation) -> tuple[Array, Array, Array]:
     NoEquilibriumError
         Where the system is singular.
     """
-    stationarity = state.z - lin.gradients.T @ state.multipliers
+    stationarity = state.z - lin.loads.T @ state.multipliers
     try:
         step = np.linalg.solve(_matrix(lin), -np.concatenate([stationarity, lin.values, lin.residuals]))
     except np.linalg.LinAlgError as error:
@@ -160,7 +192,7 @@ def _shortening(state: State, dplaces: Array) -> float:
         last = first + site.unknown_places
         bound = 0.5 * (site.place[1] - site.place[0]) if site.kind in ("patch", "tail") else 0.15
         largest = max((abs(step) for step in dplaces[first:last].tolist()), default=0.0)
-        factor, first = min(factor, bound / largest if largest > bound else 1.0), last
+        factor, first = min(factor, bound / largest if largest > bound else 1.0), first + site.unknowns
     return factor
 
 
@@ -179,6 +211,7 @@ def settle(setting: Setting, obstacle: Obstacle, state: State, order: int) -> Eq
         if iteration == 0 or _stale(state):
             state = state.on(setting.beam(state.sites, order))
         lin = linearise(state.beam, state.z, setting.outline, obstacle, state.sites, state.multipliers)
+        state = anchored(state, lin) if iteration == 0 else state
         if last < _CONVERGED and (last < _ROUND_OFF or _unbalanced(state, lin) < _ROUND_OFF):
             return Equilibrium(state, obstacle, lin, iteration, way)
         dz, dmultipliers, dplaces = kkt_step(state, lin)
@@ -188,14 +221,15 @@ def settle(setting: Setting, obstacle: Obstacle, state: State, order: int) -> Eq
         way += length
         last = length / (float(np.linalg.norm(state.z)) + _NO_STRAIN)
         last = max(last, np.max(np.abs(dplaces), initial=0.0))
-        if not np.isfinite(last) or np.linalg.norm(state.z) > _WILD:
+        heaviest = np.max(np.abs(state.multipliers), initial=0.0)
+        if not np.isfinite(last) or np.linalg.norm(state.z) > _WILD or heaviest > _WILD**2:
             raise NoEquilibriumError("Newton's iteration diverged")
     raise NoEquilibriumError(f"Newton's iteration did not converge in {_ITERATIONS} steps")
 
 
 def _unbalanced(state: State, lin: Linearisation) -> float:
     """What is left of the stationarity condition, relative."""
-    left = float(np.linalg.norm(state.z - lin.gradients.T @ state.multipliers))
+    left = float(np.linalg.norm(state.z - lin.loads.T @ state.multipliers))
     return left / (float(np.linalg.norm(state.z)) + _NO_STRAIN)
 
 

@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 
 from gripper.assemble import least_gaps
 from gripper.certificate import survey
-from gripper.contact import Site
+from gripper.contact import Kind, Site
 from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, settle
 from gripper.obstacle import Frame
 
@@ -39,7 +39,7 @@ class Change:
     """Something that happened at a value of the path's parameter."""
 
     parameter: float
-    kind: Literal["touch", "release", "change", "snap"]
+    kind: Literal["touch", "release", "change", "snap", "stick", "slip"]
     detail: str
 
 
@@ -74,7 +74,7 @@ def changes(setting: Setting, path: Path, old: Along, new: Along, order: int) ->
     out: list[Change] = []
     for lost, won in zip(gone, come, strict=False):
         where = _changed(setting, path, old, new, lost, won, order)
-        out.append(Change(where, "change", f"{_named(setting, lost)} to {_named(setting, won)}"))
+        out.append(Change(where, "change", f"{_feature_name(setting, lost)} to {_feature_name(setting, won)}"))
     pairs = min(len(gone), len(come))
     if len(gone) + len(come) - pairs > 1 and before:
         raise NoEquilibriumError("several contacts change within one step")
@@ -83,10 +83,10 @@ def changes(setting: Setting, path: Path, old: Along, new: Along, order: int) ->
             where = _released(setting, path, new, old.parameter, won, order)
         else:
             where = _first_touch(setting, path, old, new)
-        out.append(Change(where, "touch", _named(setting, won)))
+        out.append(Change(where, "touch", _feature_name(setting, won)))
     for lost in gone[pairs:]:
         where = _released(setting, path, old, new.parameter, lost, order)
-        out.append(Change(where, "release", _named(setting, lost)))
+        out.append(Change(where, "release", _feature_name(setting, lost)))
     return sorted(out, key=lambda change: abs(change.parameter - old.parameter))
 
 
@@ -105,6 +105,18 @@ def _first_touch(setting: Setting, path: Path, old: Along, new: Along) -> float:
     if least(where, kept=False) < -_GRAZED:
         raise NoEquilibriumError("the first contact has moved on within the step")
     return where
+
+
+def touched_at(setting: Setting, path: Path, old: Along, stop: float) -> float:
+    """Where the straight finger is touched first."""
+    state = old.equilibrium.state
+
+    def least(parameter: float) -> float:
+        obstacle = setting.obstacle(path.frame(parameter))
+        found = least_gaps(setting, obstacle, state, survey(setting, obstacle, state, brief=True))
+        return min((gap for gap, _ in found), default=1.0) + _GRAZED
+
+    return _bracketed(least, old.parameter, stop)
 
 
 def _same(setting: Setting, touched: Site, site: Site) -> bool:
@@ -129,12 +141,21 @@ def _changed(setting: Setting, path: Path, old: Along, new: Along, lost: Feature
     return _released(setting, path, old, new.parameter, lost, order)
 
 
-def _named(setting: Setting, feature: Feature) -> str:
+def _feature_name(setting: Setting, feature: Feature) -> str:
     kind, piece, vertex = feature
     on = setting.outline.place(piece, np.zeros(1))[0]
     if kind == "vertex":
         return f"the object's corner {vertex} on {on}"
     return f"corner of {on}" if kind == "corner" else on
+
+
+def named(setting: Setting, site: Site) -> str:
+    """What a contact is called in an event."""
+    return _feature_name(setting, next(iter(features((replace(site, kind=_plain(site)),)))))
+
+
+def _plain(site: Site) -> Kind:
+    return "patch" if site.kind == "tail" else site.kind
 
 
 def _pressing(setting: Setting, equilibrium: Equilibrium, i: int) -> float:
@@ -146,13 +167,13 @@ def _pressing(setting: Setting, equilibrium: Equilibrium, i: int) -> float:
 def _from_end(setting: Setting, equilibrium: Equilibrium, i: int) -> tuple[float, float]:
     """How far a contact is from the nearer end of its piece, and the rate of that with the parameter."""
     sites = equilibrium.state.sites
-    site, first = sites[i], sum(site.unknown_places for site in sites[:i])
+    site, first = sites[i], sum(site.unknowns for site in sites[:i])
     rates = equilibrium.tangent()[2][first : first + site.unknown_places]
     ahead = setting.outline.pieces[site.piece].length - site.place[-1]
     return (site.place[0], float(rates[0])) if site.place[0] < ahead else (ahead, -float(rates[-1]))
 
 
-class _Branch:
+class Branch:
     """The equilibria of one set of contacts near a known one, each reached from the nearest that is known."""
 
     def __init__(self, setting: Setting, path: Path, known: Along, order: int) -> None:
@@ -183,7 +204,7 @@ class _Branch:
 def _released(setting: Setting, path: Path, known: Along, stop: float, feature: Feature, order: int) -> float:
     """Where a contact's multiplier vanishes on the branch of a known equilibrium, the contact held beyond."""
     i = features(known.equilibrium.state.sites)[feature]
-    branch = _Branch(setting, path, replace(known, equilibrium=_pointed(setting, known.equilibrium, i, order)), order)
+    branch = Branch(setting, path, replace(known, equilibrium=_pointed(setting, known.equilibrium, i, order)), order)
     return _bracketed(lambda parameter: _pressing(setting, branch.at(parameter), i), known.parameter, stop)
 
 
@@ -192,7 +213,7 @@ def _departed(setting: Setting, path: Path, known: Along, stop: float, feature: 
     i = features(known.equilibrium.state.sites)[feature]
     if not known.equilibrium.state.sites[i].unknown_places:
         raise NoEquilibriumError("a contact without a place of its own ends")
-    branch, at, short = _Branch(setting, path, known, order), known.parameter, _SHORT
+    branch, at, short = Branch(setting, path, known, order), known.parameter, _SHORT
     way = stop - known.parameter
     for _ in range(_STEPS):
         ahead, rate = _from_end(setting, branch.at(at), i)
@@ -207,6 +228,13 @@ def _departed(setting: Setting, path: Path, known: Along, stop: float, feature: 
         except NoEquilibriumError:
             short /= 2
     raise NoEquilibriumError("a contact does not reach the end of its face or edge")
+
+
+def pointed(setting: Setting, equilibrium: Equilibrium, order: int) -> Equilibrium:
+    """All patches as points."""
+    for i in range(len(equilibrium.state.sites)):
+        equilibrium = _pointed(setting, equilibrium, i, order)
+    return equilibrium
 
 
 def _pointed(setting: Setting, equilibrium: Equilibrium, i: int, order: int) -> Equilibrium:

@@ -183,6 +183,8 @@ class PoseResult(Record):
         EI psi'(0), in N m: positive when the object pushes towards the finger's +y.
     energy
         Strain energy, in J.
+    work, dissipation
+        With friction along a motion: work put in by the drive, and energy lost, since the motion began, in J.
     tip, tip_rotation
         Neutral axis at s = L, in m; psi(L) relative to the clamp, in rad.
     max_strain
@@ -210,6 +212,8 @@ class PoseResult(Record):
     motion_force: float | None = None
     clamp_moment: float | None = None
     energy: float | None = None
+    work: float | None = None
+    dissipation: float | None = None
     tip: Vector | None = None
     tip_rotation: float | None = None
     max_strain: float | None = None
@@ -232,8 +236,9 @@ class PoseResult(Record):
         return cls(parameter=parameter, status="failed", reason=reason, iterations=iterations, seconds=seconds)
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain data, ready for JSON; the shape, which is for drawing, is left out."""
-        written = (field.name for field in dataclasses.fields(self) if field.name != "shape")
+        """Plain data, ready for JSON: without the shape, which is for drawing, and without work where none is kept."""
+        names = [field.name for field in dataclasses.fields(self) if field.name != "shape"]
+        written = (n for n in names if n not in ("work", "dissipation") or getattr(self, n) is not None)
         return {name: jsonable(getattr(self, name)) for name in written}
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 from gripper import report
 from gripper.describe import describe
+from gripper.loop import Loop
 from gripper.pose_result import Checks, Contact, ErrorEstimate, PoseResult, Record, Shape, Status, Vector, jsonable
 from gripper.scene import Scene
 
@@ -85,6 +86,8 @@ class Result:
         In the motion's order.
     title
         For figures and reports; the scene's by default.
+    loop
+        Of a motion with friction: peak forces there and back, work and dissipation; else None.
 
     A result of one pose gives that pose's numbers itself: ``result.force_on_object`` is
     ``result.poses[0].force_on_object``. Where there are several poses, or the only one failed, these raise
@@ -96,6 +99,7 @@ class Result:
     poses: tuple[PoseResult, ...]
     events: tuple[Event, ...] = ()
     title: str = ""
+    loop: Loop | None = None
 
     def __post_init__(self) -> None:
         if not self.poses:
@@ -160,6 +164,7 @@ class Result:
 
     def to_dict(self) -> dict[str, Any]:
         """Write the contents of result.json: SI units, None where there is no answer, never NaN."""
+        loop = {"loop": jsonable(self.loop)} if self.loop else {}
         return {
             "schema": SCHEMA,
             "title": self.title,
@@ -168,7 +173,7 @@ class Result:
             "model": jsonable(self.model),
             "poses": [pose.to_dict() for pose in self.poses],
             "events": jsonable(self.events),
-        }
+        } | loop
 
     def curve_csv(self) -> str:
         """Write the contents of curve.csv: one row a pose, units in the column names, empty cells where it failed."""

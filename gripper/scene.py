@@ -8,6 +8,7 @@ from typing import Literal, get_args
 
 from gripper.fields import Finite, Point, Positive, check_fields
 from gripper.fingers import Finger
+from gripper.friction import Friction
 from gripper.objects import Object
 from gripper.pose import Placed, placed
 
@@ -59,6 +60,8 @@ class Scene:
     approach
         Direction, in the finger frame, along which the object comes from where it is free (for a scene of one
         pose, and for a motion that starts in contact); by default from below, on to the lower face.
+    friction
+        Coulomb friction; None for none.
     theory
         "bending", "shear" (Timoshenko's sections, inextensible axis: the paper's), or "auto".
     tolerance
@@ -71,6 +74,7 @@ class Scene:
     object: Placed[Object] | Object
     motion: Motion | None = None
     approach: Point = (0.0, 1.0)
+    friction: Friction | None = None
     theory: Theory = "auto"
     tolerance: Positive = 1e-4
     title: str = ""
@@ -83,6 +87,8 @@ class Scene:
             raise ValueError(f"tolerance must lie between 1e-12 and 0.1; got {self.tolerance!r}")
         if math.hypot(*self.approach) == 0:
             raise ValueError(f"approach must be a direction other than (0, 0); got {self.approach!r}")
+        if self.friction is not None:
+            self.friction.check(placed(self.finger).body.length, moving=self.motion is not None)
         known = {self.motion.parameter} if self.motion else set()
         for name in ("finger", "object"):
             unknown = {symbol.name for symbol in placed(getattr(self, name)).pose.parameters} - known

@@ -9,14 +9,16 @@ import numpy as np
 
 from gripper.active import Verified, untouched
 from gripper.answer import Answer, pose_result
-from gripper.assemble import first_order, left_out, setting
+from gripper.assemble import first_order, law, left_out, setting
 from gripper.certificate import survey
 from gripper.equilibrium import NoEquilibriumError, Setting, State, settle
-from gripper.kinematics import Kinematics, Retreat
+from gripper.frictional import tracker_for
+from gripper.kinematics import Kinematics, Placement, Retreat
+from gripper.locking import LockedError, check_locked
 from gripper.obstacle import Frame
 from gripper.result import Model, PoseResult, Result
 from gripper.scene import Scene
-from gripper.tracker import Tracker
+from gripper.splitting import NOTE, split
 
 NOT_MODELLED = (
     "stretch of the axis",
@@ -31,7 +33,21 @@ _FURTHEST = 20.0  # of L: beyond this no retreat is tried
 def model(scene: Scene, fixed: Setting) -> Model:
     """What is solved for this scene, and what is not."""
     other = "strain" if fixed.sections.finger.material.plane == "stress" else "stress"
-    return Model(theory=fixed.theory, left_out=left_out(scene), not_modelled=(f"plane {other}", *NOT_MODELLED))
+    notes = (f"plane {other}", *NOT_MODELLED) + ((NOTE,) if published(scene) else ())
+    return Model(theory=fixed.theory, left_out=left_out(scene), not_modelled=notes)
+
+
+def published(scene: Scene) -> bool:
+    """Whether the scene asks for the paper's friction."""
+    return scene.friction is not None and not scene.friction.absent and scene.friction.model == "published"
+
+
+def numbers(scene: Scene, fixed: Setting, answer: Answer, parameter: float | None, placement: Placement) -> PoseResult:
+    """The plain numbers of a pose, in the scene's model of friction."""
+    pose = pose_result(fixed, answer, parameter, placement)
+    if scene.friction is None or not published(scene):
+        return pose
+    return split(fixed, law(scene.friction, fixed.outline, fixed.sections.length), answer, placement, pose)
 
 
 def approach(fixed: Setting, final: Frame, direction: tuple[float, float], order: int) -> tuple[Answer, int]:
@@ -75,8 +91,20 @@ def approach(fixed: Setting, final: Frame, direction: tuple[float, float], order
                 "give another direction in [approach], or a motion that starts from a free pose"
             )
         back += max(pace, -found.min_gap)
-    tracker = Tracker(fixed, path, -back, order, events=False, free=start)
+    tracker = tracker_for(fixed)(fixed, path, -back, order, events=False, free=start)
     return tracker.advance(0.0), tracker.order
+
+
+def _approached(scene: Scene, fixed: Setting, frame: Frame) -> Answer:
+    """The answer at a pose; where friction of the given sense leaves none, perhaps because it locks the finger."""
+    try:
+        return approach(fixed, frame, scene.approach, first_order(scene.tolerance))[0]
+    except NoEquilibriumError:
+        if fixed.friction is None:
+            raise
+        smooth, order = approach(replace(fixed, friction=None), frame, scene.approach, first_order(scene.tolerance))
+        check_locked(fixed, smooth.verified.equilibrium, order)
+        raise
 
 
 def solve(scene: Scene) -> Result:
@@ -103,8 +131,10 @@ def solve(scene: Scene) -> Result:
     frame = kinematics.frame(0.0)
     began = time.process_time()
     try:
-        answer, _ = approach(fixed, frame, scene.approach, first_order(scene.tolerance))
-        pose = pose_result(fixed, answer, None, kinematics.placement(0.0))
+        answer = _approached(scene, fixed, frame)
+        pose = numbers(scene, fixed, answer, None, kinematics.placement(0.0))
+    except LockedError as error:
+        pose = PoseResult(parameter=None, status="locked", reason=str(error))
     except NoEquilibriumError as error:
         pose = PoseResult.failed(None, str(error))
     pose = replace(pose, seconds=time.process_time() - began)

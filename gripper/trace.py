@@ -6,13 +6,15 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 
-from gripper.answer import pose_result
 from gripper.assemble import first_order, setting
 from gripper.equilibrium import NoEquilibriumError, Setting
+from gripper.frictional import FrictionTracker, tracker_for
 from gripper.kinematics import Kinematics
+from gripper.locking import LockedError
+from gripper.loop import Loop
 from gripper.result import Event, PoseResult, Result
 from gripper.scene import Scene
-from gripper.solve import approach, model
+from gripper.solve import approach, model, numbers
 from gripper.tracker import Tracker
 
 
@@ -51,7 +53,14 @@ def trace(scene: Scene, progress: Callable[[int, int], None] | None = None) -> R
         if progress is not None:
             progress(done, len(values))
     events = tuple(follower.events)
-    return Result(title=scene.title, scene=scene, model=model(scene, fixed), poses=tuple(poses), events=events)
+    return Result(
+        title=scene.title,
+        scene=scene,
+        model=model(scene, fixed),
+        poses=tuple(poses),
+        events=events,
+        loop=follower.loop(),
+    )
 
 
 class _Follower:
@@ -75,15 +84,59 @@ class _Follower:
             if self.tracker is None:
                 self.tracker = self._begin(value)
             answer = self.tracker.advance(value)
-            pose = pose_result(self.fixed, answer, value, self.kinematics.placement(value))
+            pose = numbers(self.scene, self.fixed, answer, value, self.kinematics.placement(value))
+        except LockedError as error:
+            pose = PoseResult(parameter=value, status="locked", reason=str(error))
         except NoEquilibriumError as error:
             iterations = self.tracker.iterations if self.tracker else 0
             pose = PoseResult.failed(value, str(error), iterations)
+        pose = self._with_energies(pose)
         return replace(pose, seconds=time.process_time() - began)
+
+    def _with_energies(self, pose: PoseResult) -> PoseResult:
+        """Work and dissipation since the motion began, where there is friction."""
+        tracker = self.tracker
+        if pose.status not in ("contact", "free") or not isinstance(tracker, FrictionTracker):
+            return pose
+        unit = self.fixed.sections.energy_scale
+        return replace(pose, work=tracker.balance.work * unit, dissipation=tracker.balance.loss * unit)
+
+    def loop(self) -> Loop | None:
+        """The loop so far; None without friction or contact."""
+        tracker = self.tracker
+        if not isinstance(tracker, FrictionTracker) or not tracker.peaks:
+            return None
+        unit = self.fixed.sections.energy_scale
+        peaks = [peak.located(self.fixed, self.kinematics, tracker.order) for peak in tracker.peaks[:2]]
+        back = peaks[1] if len(peaks) > 1 else None
+        return Loop(
+            peak_insertion_force=peaks[0][0] * unit,
+            peak_insertion_parameter=peaks[0][1],
+            peak_retention_force=back[0] * unit if back else None,
+            peak_retention_parameter=back[1] if back else None,
+            ratio=back[0] / peaks[0][0] if back and peaks[0][0] > 0 else None,
+            work_in=tracker.balance.put_in * unit,
+            work_out=tracker.balance.given_back * unit,
+            dissipation=tracker.balance.loss * unit,
+        )
 
     def _begin(self, value: float) -> Tracker:
         try:
-            return Tracker(self.fixed, self.kinematics, value, self.order)
+            return tracker_for(self.fixed)(self.fixed, self.kinematics, value, self.order)
         except NoEquilibriumError:
-            answer, order = approach(self.fixed, self.kinematics.frame(value), self.scene.approach, self.order)
-            return Tracker.resume(self.fixed, self.kinematics, value, order, answer.verified)
+            return self._approached(value)
+
+    def _approached(self, value: float) -> Tracker:
+        """A motion that starts in contact; the way there is no part of it and leaves no friction behind."""
+        smooth = replace(self.fixed, friction=None) if tracker_for(self.fixed) is FrictionTracker else self.fixed
+        answer, order = approach(smooth, self.kinematics.frame(value), self.scene.approach, self.order)
+        tracker = tracker_for(self.fixed).resume(self.fixed, self.kinematics, value, order, answer.verified)
+        if isinstance(tracker, FrictionTracker):
+            tracker.begin(self._heading(value))
+        return tracker
+
+    def _heading(self, value: float) -> float:
+        """Where the motion goes from a value: the sign of the way along its parameter."""
+        values = self.scene.motion.values if self.scene.motion else ()
+        later = [v - value for v in values[values.index(value) :] if v != value]
+        return -1.0 if later and later[0] < 0 else 1.0

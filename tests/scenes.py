@@ -161,5 +161,5 @@ def deepest_within(points: np.ndarray, ring: np.ndarray, *, closed: bool = True)
 
 def _to_edge(points: np.ndarray, a: np.ndarray, b: np.ndarray) -> np.ndarray:
     edge = b - a
-    along = np.clip(((points - a) * edge.conj()).real / np.abs(edge) ** 2, 0, 1)
+    along = np.clip(((points - a) * edge.conj()).real / np.maximum(np.abs(edge) ** 2, 1e-300), 0, 1)
     return np.abs(points - a - along * edge)

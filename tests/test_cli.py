@@ -29,7 +29,7 @@ BAD = {
     "too many poses": GOOD.replace("poses = 49", "poses = 1000000000"),
     "a width below 0": GOOD.replace("width = 0.025", 'width = "0.01 - s"'),
     "a pose that is not real": GOOD.replace('x = "x_e"', 'x = "log(x_e)"'),
-    "friction": GOOD + "\n[friction]\ncoefficient = 0.2\n",
+    "friction": GOOD + "\n[friction]\ncoefficient = -0.2\n",
 }
 
 

@@ -10,6 +10,7 @@ import sympy
 from hypothesis import given
 from hypothesis import strategies as st
 
+from gripper.assemble import setting
 from gripper.fields import Point, Positive, Profile, Surface, check_fields
 from gripper.fingers import S
 from gripper.pose import Pose
@@ -188,10 +189,11 @@ REFUSED = {
     SCENE + "[solver]\ntolerance = 0.5\n": "solver.tolerance: must lie between 1e-12 and 0.1; got 0.5",
     SCENE + "[solver]\ntolerance = -1\n": "solver.tolerance: must be a positive number",
     # friction
+    SCENE + "[friction]\ncoefficient = 0.2\n": "friction.sense: must be 'tipward' or 'baseward' in a scene without",
     SCENE
-    + "[friction]\ncoefficient = 0.2\n": "friction.coefficient: must be 0: friction in equilibrium is not built yet",
-    SCENE + '[friction]\ncoefficient = "0.1 + s"\n': "friction.coefficient: must be 0: friction in equilibrium",
-    SCENE + "[friction]\ncoefficient = { finger = 0, jaw = 0.1 }\n": "friction.coefficient: must be 0",
+    + '[friction]\ncoefficient = "0.1 - 100 * s"\nsense = "tipward"\n': "friction.coefficient: must be at least 0; got",
+    SCENE + "[friction]\ncoefficient = { finger = 0, jaw = -0.1 }\n": "friction.coefficient: must be at least 0",
+    MOVING + '[friction]\ncoefficient = 0.2\nmodel = "published"\n': "friction.sense: must be 'tipward' or 'baseward'",
     SCENE + "[friction]\ncoefficient = { finger = 0 }\n": "friction.coefficient.jaw: must be given; got finger",
     SCENE
     + "[friction]\ncoefficient = { finger = 0, jaw = 0, peg = 1 }\n": "friction.coefficient.peg: must be a known key",
@@ -200,7 +202,7 @@ REFUSED = {
     SCENE + '[friction]\nmodel = "coulomb"\n': "friction.coefficient: must be given",
     SCENE + '[friction]\ncoefficient = 0\nmodel = "viscous"\n': "friction.model: must be one of coulomb, published",
     SCENE + '[friction]\ncoefficient = 0\nsense = "up"\n': "friction.sense: must be one of tipward, baseward; got 'up'",
-    MOVING + '[friction]\ncoefficient = 0\nsense = "tipward"\n': "friction.sense: must be left out",
+    MOVING + '[friction]\ncoefficient = 0.1\nsense = "tipward"\n': "friction.sense: must be left out",
     # TOML
     SCENE + "a = \n": "line 15: must be TOML (",
     SCENE + '"open = 3': "line 15: must be TOML (",
@@ -289,7 +291,24 @@ def test_a_profile_may_depend_on_s_and_a_surface_on_x_and_y():
 
 @pytest.mark.parametrize("coefficient", ["0", '"0"', '"0 * s"', "{ finger = 0, jaw = 0.0 }"])
 def test_friction_of_nothing_is_no_friction(coefficient):
-    assert loads(SCENE + f"[friction]\ncoefficient = {coefficient}\n") == loads(SCENE)
+    scene = loads(SCENE + f"[friction]\ncoefficient = {coefficient}\n")
+    assert scene.friction.absent
+    assert setting(scene).friction is None
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        'coefficient = 0.2\nsense = "tipward"',
+        'coefficient = "0.1 + s"\nsense = "baseward"',
+        'coefficient = { finger = "0.1 + 2 * s", jaw = 0.3 }\nsense = "baseward"\nmodel = "published"',
+    ],
+)
+def test_friction_written_and_read_back_says_the_same(table):
+    scene = loads(SCENE + f"[friction]\n{table}\n")
+    again = loads(dumps(scene))
+    assert again.friction == scene.friction
+    assert resolved(again) == resolved(scene)
 
 
 def test_the_yield_strain_and_the_approach_reach_the_scene():

@@ -9,6 +9,7 @@ import sympy
 from gripper.expression import is_name, is_reserved
 from gripper.fields import Point
 from gripper.fingers import Finger, Jaw, Material
+from gripper.friction import Friction, Model, Sense
 from gripper.objects import Object
 from gripper.pose import Placed, Pose
 from gripper.registry import PluginError, installed, load
@@ -29,7 +30,9 @@ from gripper.scenefile.values import converted, read_count, read_expression, rea
 _KEYS = ("title", "material", "finger", "object", "motion", "approach", "friction", "solver")
 _NOT_BUILT = "reserved for a feature that is not built yet"
 _RESERVED = {"limits": _NOT_BUILT, "loads": _NOT_BUILT, "tolerance": f"{_NOT_BUILT}; the solver's is solver.tolerance"}
-_SCENE_FIELDS = {"theory": "solver.theory", "tolerance": "solver.tolerance", "approach": "approach.direction"}
+_SCENE_FIELDS = {"theory": "solver.theory", "tolerance": "solver.tolerance", "approach": "approach.direction"} | {
+    key: f"friction.{key}" for key in ("coefficient", "model", "sense")
+}
 _SPAN = ("from", "to", "poses")
 
 Names = tuple[str, ...]
@@ -42,11 +45,11 @@ def scene(tables: Table, place: Place) -> Scene:
     check_given(tables, ("material", "finger", "object"), place)
     motion = _motion(*_section(tables, "motion", place)) if "motion" in tables else None
     names = (motion.parameter,) if motion else ()
-    _check_friction(*_section(tables, "friction", place), motion)
     material = build(Material, *_section(tables, "material", place))
     finger = _finger(tables["finger"], place.at("finger"), material, names)
     target = _object(*_section(tables, "object", place), names)
     optional = _approach(*_section(tables, "approach", place)) | _solver(*_section(tables, "solver", place))
+    optional |= _friction(*_section(tables, "friction", place))
     try:
         return Scene(finger=finger, object=target, motion=motion, title=_title(tables, place), **optional)
     except ValueError as error:
@@ -154,28 +157,24 @@ def _solver(table: Table, place: Place) -> Table:
     return table | numbers
 
 
-def _check_friction(table: Table, place: Place, motion: Motion | None) -> None:
-    """Check the table's shape; until friction in equilibrium is built, only a coefficient of 0 passes."""
+def _friction(table: Table, place: Place) -> Table:
     if not table:
-        return
+        return {}
     check_keys(table, ("coefficient", "model", "sense"), place)
     check_given(table, ("coefficient",), place)
-    model = _choice(table, "model", ("coulomb", "published"), place)
-    sense = _choice(table, "sense", ("tipward", "baseward"), place)
-    if sense and motion and model != "published":
-        raise place.at("sense").error("must be left out: in a motion, the coulomb model finds it", shown(sense))
-    at = place.at("coefficient")
-    given = table["coefficient"]
-    for coefficient in _coefficients(given, at):
-        if not isinstance(coefficient, sympy.Expr) and coefficient < 0:
-            raise at.error("must be at least 0", shown(given))
-        if coefficient != 0:
-            raise at.error("must be 0: friction in equilibrium is not built yet", shown(given))
+    _choice(table, "model", get_args(Model), place)
+    _choice(table, "sense", get_args(Sense), place)
+    coefficient = _coefficient(table["coefficient"], place.at("coefficient"))
+    try:
+        return {"friction": Friction(**(table | {"coefficient": coefficient}))}
+    except ValueError as error:
+        raise place.broken(error, {key: key for key in table}) from None
 
 
-def _coefficients(value: Any, place: Place) -> list[float | sympy.Expr]:
+def _coefficient(value: Any, place: Place) -> float | sympy.Expr | Table:
     if not isinstance(value, dict):
-        return [read_expression(value, ("s",), place)]
+        return read_expression(value, ("s",), place)
     check_keys(value, ("finger", "jaw"), place)
     check_given(value, ("finger", "jaw"), place)
-    return [read_expression(value["finger"], ("s",), place.at("finger")), read_number(value["jaw"], place.at("jaw"))]
+    finger = read_expression(value["finger"], ("s",), place.at("finger"))
+    return {"finger": finger, "jaw": read_number(value["jaw"], place.at("jaw"))}

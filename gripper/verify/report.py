@@ -198,10 +198,11 @@ def _blocks(report: Verification) -> list[list[str]]:
     model = report.model
     along, across = model.elements
     friction = "friction" if report.rough else "no friction"
+    jaw = f"{model.jaw} jaw, " if placed(report.scene.finger).body.jaw is not None else ""
     head = [report.scene.title] if report.scene.title else []
     head += [
         f"finite elements: {along} x {across} quadratic, {model.law}, plane {report.material.plane}, "
-        f"{model.jaw} jaw, {friction}; mesh error from {report.second[0]} x {report.second[1]}",
+        f"{jaw}{friction}; mesh error from {report.second[0]} x {report.second[1]}",
         "force of the finger on the object and tip in the finger's frame; gripper's in brackets",
     ]
     material = report.material
@@ -237,7 +238,7 @@ def _shapes(report: Verification) -> list[list[str]]:
     rows = [[report.parameter or "pose", "tip (m)", "apart (m)", "contact", "", "strain", "", "CPU s", ""]]
     for i, pose in enumerate(report.poses):
         fem, beam = pose.elements, pose.gripper
-        tip = f"{fem.tip[0]:.5f} {fem.tip[1]:.5f}" if fem.tip else ""
+        tip = " ".join(f"{round(x, 5) + 0.0:.5f}" for x in fem.tip or ())
         places = [_where(fem.contacts), f"({_where(beam.contacts)})"]
         strains = [_number(fem.max_strain, 3), f"({_number(beam.max_strain, 3)})"]
         seconds = [_number(fem.seconds, 3), f"({_number(beam.seconds, 2)})"]
