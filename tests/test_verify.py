@@ -321,6 +321,24 @@ def test_a_jaw_may_have_friction_of_its_own():
     assert math.dist(rough, smooth) > 0.3 * math.hypot(*smooth)
 
 
+def test_the_scenes_own_friction_is_taken_where_none_is_given():
+    values, mu = (0.08, 0.072), {"finger": 0.1, "jaw": 0.3}
+    rough = scenes.micro_assembly(*values, friction=gr.Friction(coefficient=mu))
+    own = follow(rough, values, elements=(20, 2))[-1].force
+    assert own == follow(scenes.micro_assembly(*values), values, elements=(20, 2), friction=mu)[-1].force
+    assert math.dist(own, follow(rough, values, elements=(20, 2), friction=0.0)[-1].force) > 0.5
+
+
+@pytest.mark.parametrize("approach", [(0.0, 1.0), (0.0, -1.0)])
+@pytest.mark.parametrize("sense", ["tipward", "baseward"])
+def test_without_a_motion_friction_has_the_sense_that_the_scene_says(sense, approach):
+    friction = gr.Friction(coefficient=0.3, sense=sense)
+    placed = Circle(radius=0.25).at(x=0.7, y=0.0)
+    scene = gr.Scene(finger=scenes.unit_finger(), object=placed, approach=approach, friction=friction)
+    expected = gr.solve(scene).force_on_object
+    assert math.dist(still(scene, **COARSE).force, expected) < 1e-2 * math.hypot(*expected)
+
+
 def test_a_corner_thinner_than_an_element_does_not_slip_through():
     needle = Polygon(vertices=((-0.015, -0.3), (0.015, -0.3), (0.0, 0.0)))
     scene = unit_scene(x=0.713, y=0.1, body=needle)
@@ -507,13 +525,24 @@ def test_wrong_arguments_are_named(arguments, error, words):
 
 
 FOLDER = Path(gripper.verify.__file__).parent
-SHARED = {"fingers", "objects", "pose", "pose_result", "result", "scene", "verify"}  # data, g and the profile
+SHARED = {
+    "fingers",
+    "friction",
+    "objects",
+    "pose",
+    "pose_result",
+    "result",
+    "scene",
+    "verify",
+}  # data, g and the profile
 
 
 @pytest.mark.parametrize("module", sorted(FOLDER.glob("*.py")), ids=lambda path: path.stem)
 def test_the_elements_share_nothing_with_the_solver_but_data(module):
     tree = ast.parse(module.read_text())
-    names = [node.module for node in tree.body if isinstance(node, ast.ImportFrom)]
+    names = [
+        f"{node.module}.{alias.name}" for node in tree.body if isinstance(node, ast.ImportFrom) for alias in node.names
+    ]
     names += [alias.name for node in tree.body if isinstance(node, ast.Import) for alias in node.names]
     ours = {name.split(".")[1] for name in names if name.startswith("gripper.")}
     assert ours <= SHARED

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
+from gripper.friction import Friction as SceneFriction
 from gripper.objects import Array
 from gripper.pose import placed
 from gripper.scene import Scene
@@ -35,9 +35,9 @@ def check(friction: Friction) -> None:
             raise ValueError(f"friction must be a coefficient, at least 0; got {value!r}")
 
 
-def of_scene(scene: Scene) -> Any:
-    """The scene's own friction where it has any, with `finger`, `along`, `on_jaw`, `sense`; else None."""
-    own = getattr(scene, "friction", None)
+def of_scene(scene: Scene) -> SceneFriction | None:
+    """The scene's own friction, where it has any."""
+    own = scene.friction
     return None if own is None or own.absent else own
 
 
@@ -54,12 +54,10 @@ def coefficients(scene: Scene, friction: Friction | None, mesh: Mesh) -> Array:
     own = of_scene(scene)
     if friction is None and own is not None:
         length = placed(scene.finger).body.length
-        finger, jaw = own.along(np.minimum(mesh.nodes[edges[:, 1], 0], length)), own.on_jaw(length)
-    elif isinstance(friction, Mapping):
-        finger, jaw = friction.get("finger", 0.0), friction.get("jaw", 0.0)
-    else:
-        finger = jaw = friction or 0.0
-    return np.asarray(np.where(on_jaw, jaw, finger), dtype=float)
+        finger = own.along(np.minimum(mesh.nodes[edges[:, 1], 0], length))
+        return np.where(on_jaw, own.on_jaw(length), finger)
+    given = friction if isinstance(friction, Mapping) else dict.fromkeys(("finger", "jaw"), friction or 0.0)
+    return np.where(on_jaw, given.get("jaw", 0.0), given.get("finger", 0.0))
 
 
 def senses(scene: Scene, friction: Friction | None, mesh: Mesh) -> Array:
