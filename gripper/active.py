@@ -17,7 +17,7 @@ from gripper.grip import dressed
 from gripper.obstacle import Obstacle
 from gripper.outline import LOWER, UPPER, Axis
 
-_ROUNDS = 8
+_ROUNDS = 5
 _STRETCH = 0.05  # of L: half of a stretch about a penetration
 _PATIENCE = 40  # SLSQP takes 8 to 15 iterations where it gets somewhere
 _COARSE = 1e-6  # SLSQP only has to tell who touches: Newton does the rest

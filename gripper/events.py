@@ -211,6 +211,8 @@ def _released(setting: Setting, path: Path, known: Along, stop: float, feature: 
 def _departed(setting: Setting, path: Path, known: Along, stop: float, feature: Feature, order: int) -> float:
     """Where a contact's place reaches the end of its piece: Newton steps that stop a little short of it."""
     i = features(known.equilibrium.state.sites)[feature]
+    if not known.equilibrium.state.sites[i].unknown_places:
+        raise NoEquilibriumError("a contact without a place of its own ends")
     branch, at, short = Branch(setting, path, known, order), known.parameter, _SHORT
     way = stop - known.parameter
     for _ in range(_STEPS):

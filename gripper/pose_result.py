@@ -236,7 +236,7 @@ class PoseResult(Record):
         return cls(parameter=parameter, status="failed", reason=reason, iterations=iterations, seconds=seconds)
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain data, ready for JSON; the shape, which is for drawing, is left out, work and loss where there is none."""
+        """Plain data, ready for JSON: without the shape, which is for drawing, and without work where none is kept."""
         names = [field.name for field in dataclasses.fields(self) if field.name != "shape"]
         written = (n for n in names if n not in ("work", "dissipation") or getattr(self, n) is not None)
         return {name: jsonable(getattr(self, name)) for name in written}

@@ -14,6 +14,8 @@ from gripper.obstacle import Obstacle
 from gripper.outline import Axis
 
 _STEPS = 150
+_TRIES = 3
+_UNDAMPED = 1e-3  # damping at which the steps are as good as free
 _LONGEST = 0.02  # of L: no point of the axis moves further in a step, so that nothing is passed through
 _REST = 1e-6  # of L: the finger has come to rest
 _MARKS = np.linspace(0.125, 1.0, 8)
@@ -39,7 +41,7 @@ def descend(setting: Setting, obstacle: Obstacle, start: State, order: int) -> V
     """
     beam = setting.beam((), order)
     state = State(beam, beam.project(start.beam, start.z))
-    damping, reason = 1.0, "the finger does not come to rest"
+    damping, reason, tries = 1.0, "the finger does not come to rest", 0
     for _ in range(_STEPS):
         following = _damped_step(setting, obstacle, state, damping)
         moved = distance(state, following)
@@ -47,7 +49,8 @@ def descend(setting: Setting, obstacle: Obstacle, start: State, order: int) -> V
             damping *= 4
             continue
         state = following
-        if moved < _REST or damping < 1e-3:
+        if (moved < _REST or damping < _UNDAMPED) and tries < _TRIES:
+            tries += 1
             try:
                 return find(setting, obstacle, state, order)
             except NoEquilibriumError as error:

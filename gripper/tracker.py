@@ -23,7 +23,8 @@ _SHALLOW = 0.02  # of L: how deep a sharp corner may sink before the first conta
 _BEYOND = 2e-3  # of L: how far behind a limit point the descent starts
 _INDIVISIBLE = 2e-6  # of L: events nearer than this are one
 _SHORTEST = 1e-6  # of L: where steps this short do not succeed, there is no equilibrium to follow
-_PATIENCE = 45  # steps that may fail on the way to a pose
+_PATIENCE = 30  # steps that may fail on the way to a pose
+_SNAPS = 3
 _HIGHEST_ORDER = 14
 _TURNS = 8  # parts in which a step's path is measured
 
@@ -86,7 +87,7 @@ class Tracker:
             Where no equilibrium could be followed that far; the tracker stays at the last one it found.
         """
         self._refuse_at_clamp(target)
-        self.iterations = failures = 0
+        self.iterations = failures = snaps = 0
         bound = np.inf
         while self.parameter != target:
             following = self._within(target, bound)
@@ -99,6 +100,9 @@ class Tracker:
                     raise NoEquilibriumError(f"{error} ({failures} steps have failed on the way)") from error
                 bound = self._travel(self.parameter, following) / 2
                 if bound < _SHORTEST:
+                    snaps += 1
+                    if snaps > _SNAPS:
+                        raise NoEquilibriumError(f"the finger snaps on and on: {error}") from error
                     self._snap(self._within(target, _BEYOND), error)
                     bound = 1e-3
         return self._refined()
@@ -248,7 +252,7 @@ class Tracker:
         obstacle = self.setting.obstacle(self.path.frame(following))
         found = descend(self.setting, obstacle, start, self.order)
         self.iterations += found.equilibrium.iterations
-        self.changes.append(Change(self.parameter, "snap", f"the finger snaps away: {error}"))
+        self.changes.append(Change(self.parameter, "snap", "the equilibrium ends here: the finger leaves for another"))
         self.parameter, self.current = following, found
 
     def _refined(self) -> Answer:

@@ -89,11 +89,13 @@ def still(scene: gr.Scene) -> gr.Scene:
     return gr.Scene(**{**{f: getattr(scene, f) for f in scene.__dataclass_fields__}, "motion": gr.Motion("q", (0.0,))})
 
 
-def faces(solved: Solved, count: int = 0) -> tuple[np.ndarray, np.ndarray]:
+def faces(solved: Solved) -> tuple[np.ndarray, np.ndarray]:
     """Points of the lower and upper face (n,), x + iy by L in the clamp's frame, chords within 1e-7 of them."""
     state, outline = solved.equilibrium.state, solved.setting.outline
     axis = Axis.of(state.beam, state.z)
-    u = np.union1d(np.linspace(0, 1, count or 2001), state.beam.breaks)
+    marks = [np.linspace(0, 1, 2001), state.beam.breaks]  # finer where contacts bend the faces most
+    marks += [np.linspace(site.middle - 0.03, site.middle + 0.03, 1001) for site in state.sites if site.on_face]
+    u = np.unique(np.clip(np.concatenate(marks), 0, 1))
     inward = u + 1e-12 * np.sign(0.5 - u)
     segment = state.beam.segment_of(inward)
     points = [outline.trace(axis, np.full(u.size, piece), u, segment)[0] for piece in (0, 1)]
@@ -159,5 +161,5 @@ def deepest_within(points: np.ndarray, ring: np.ndarray, *, closed: bool = True)
 
 def _to_edge(points: np.ndarray, a: np.ndarray, b: np.ndarray) -> np.ndarray:
     edge = b - a
-    along = np.clip(((points - a) * edge.conj()).real / np.abs(edge) ** 2, 0, 1)
+    along = np.clip(((points - a) * edge.conj()).real / np.maximum(np.abs(edge) ** 2, 1e-300), 0, 1)
     return np.abs(points - a - along * edge)

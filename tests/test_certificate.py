@@ -118,7 +118,7 @@ def test_a_finger_that_is_clear_by_little_is_called_clear(finger: str, body: str
     ring = polygon(drawn(found, outside))
     if min(ring.distance(polygon(body).buffer(0)) for body in rings(found, state)) > 1e-5:
         report = survey(found, outside, state)
-        assert report.clear and report.penetration_bound == 0
+        assert report.clear and report.penetration_bound <= DEPTH
 
 
 @pytest.mark.parametrize("body", ["circle", "ellipse", "superellipse", "polygon", "needle", "spline"])

@@ -233,7 +233,7 @@ moderate = {"jaws": st.none(), "at": (0.4, 0.7), "deep": (-0.02, 0.1)}
 
 
 @given(scene=scenes(st.one_of(*ROUND.values()), **moderate))
-@settings(max_examples=60, **SUITE)
+@settings(max_examples=25, **SUITE)
 def test_a_smooth_object_from_below_at_mid_finger_is_always_answered_rightly(scene: gr.Scene) -> None:
     (solved,) = follow(still(scene))
     assert_right(scene, solved)
@@ -241,7 +241,7 @@ def test_a_smooth_object_from_below_at_mid_finger_is_always_answered_rightly(sce
 
 
 @given(scene=scenes(st.one_of(*POLYGONS.values()), **moderate))
-@settings(max_examples=30, **SUITE)
+@settings(max_examples=15, **SUITE)
 def test_a_polygon_from_below_at_mid_finger_is_always_answered_rightly(scene: gr.Scene) -> None:
     (solved,) = follow(still(scene))
     assert_right(scene, solved)
@@ -258,21 +258,21 @@ def clamped(scene: gr.Scene, solved: Solved) -> bool:
 
 
 @given(scene=scenes(st.one_of(*EVERY.values()), jaws=jaws, at=(0.15, 1.15), deep=(-0.05, 0.3)))
-@settings(max_examples=50, **SUITE)
+@settings(max_examples=12, **SUITE)
 def test_any_pose_is_answered_rightly_or_failed_with_a_reason(scene: gr.Scene) -> None:
     (solved,) = follow(still(scene))
     assert_right(scene, solved)
 
 
 @given(scene=motions(st.one_of(*EVERY.values())))
-@settings(max_examples=20, **SUITE)
+@settings(max_examples=12, **SUITE)
 def test_any_motion_is_answered_rightly_or_failed_with_a_reason(scene: gr.Scene) -> None:
     for solved in follow(scene):
         assert_right(scene, solved)
 
 
 @given(scene=scenes(st.one_of(*EVERY.values()), **moderate))
-@settings(max_examples=20, **SUITE)
+@settings(max_examples=12, **SUITE)
 def test_the_other_side_of_the_finger_is_the_mirror_image(scene: gr.Scene) -> None:
     """The object turned about the finger's axis by half a turn out of the plane: forces mirrored."""
     body, pose = scene.object.body, scene.object.pose
@@ -294,7 +294,7 @@ def test_the_other_side_of_the_finger_is_the_mirror_image(scene: gr.Scene) -> No
 
 
 @given(scene=scenes(st.one_of(*ROUND.values()), **moderate), more=between(0.001, 0.05))
-@settings(max_examples=20, **SUITE)
+@settings(max_examples=12, **SUITE)
 def test_pushing_further_costs_energy(scene: gr.Scene, more: float) -> None:
     """On one branch an object that comes nearer never lowers the energy: its gaps are stricter."""
     pose = scene.object.pose

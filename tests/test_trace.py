@@ -227,20 +227,25 @@ def test_a_motion_may_begin_where_no_pose_has_an_answer() -> None:
     assert statuses == ["failed", "free"]
 
 
-def test_head_on_the_finger_buckles_or_fails_but_never_silently_picks_a_side() -> None:
-    """PHYSICS 2: a strut on its end face; statics do not decide to which side it goes."""
-    finger = unit_finger(0.04)
-    scene = gr.Scene(
-        finger=finger,
-        object=Ellipse(semi_axes=(0.3, 0.3)).at(x=1.6 - Q, y=0.0),
-        motion=gr.Motion("q", tuple(np.linspace(0.2, 0.5, 13))),
-    )
-    result = gr.trace(scene)
-    for pose in result.poses:
-        if pose.status == "contact" and abs(pose.tip_rotation) > 1e-6:
-            snaps = [event for event in result.events if event.kind == "snap"]
-            assert snaps and "undecided" in snaps[0].detail
-            break
+@pytest.mark.parametrize("poses", [10, 30])
+def test_the_rotating_finger_from_the_far_left_is_met_head_on_and_snaps_to_a_side_that_statics_do_not_decide(
+    poses: int,
+) -> None:
+    """PHYSICS 2: touched on the end face near x_e = -0.188 it is a strut, and buckles."""
+    result = gr.trace(rotating_finger(*np.linspace(-0.25, -0.1016, poses)))
+    assert result.events[0].kind == "touch"
+    assert result.events[0].parameter == pytest.approx(-0.188, abs=1e-3)
+    snaps = [event for event in result.events if event.kind == "snap"]
+    assert snaps and "undecided" in snaps[0].detail
+
+
+def test_a_finger_met_exactly_head_on_has_no_answer_and_is_told_why() -> None:
+    body = Ellipse(semi_axes=(0.3, 0.3)).at(x=1.6 - Q, y=0.0)
+    scene = gr.Scene(finger=unit_finger(0.04), object=body, motion=gr.Motion("q", (0.2, 0.325)))
+    free, met = gr.trace(scene).poses
+    assert free.status == "free"
+    assert met.status == "failed" and met.force_on_object is None
+    assert "head-on" in met.reason or "strut" in met.reason
 
 
 @pytest.mark.parametrize("name", ["rising circle", "passing circle"])

@@ -8,7 +8,8 @@ from scipy.sparse.linalg import splu
 
 from gripper.objects import Array
 from gripper.verify.elements import Elements
-from gripper.verify.mesh import Index, Mesh
+from gripper.verify.mesh import Mesh
+from gripper.verify.outline import Index
 
 Triplets = tuple[Array, Index, Index]
 """Values, rows and columns of a derivative of forces by positions, both numbered 2 node + axis."""

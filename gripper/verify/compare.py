@@ -5,16 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
 from gripper.result import PoseResult, Result
 from gripper.scene import Motion, Scene
+from gripper.verify.friction import Friction, check
 from gripper.verify.material import LAWS, LawName
 from gripper.verify.mesh import JawKind
 from gripper.verify.motion import clamp
 from gripper.verify.report import Beam, Verification, VerifiedPose
-from gripper.verify.run import Found, Friction, Model, run
+from gripper.verify.run import Found, Model, run
 
 Progress = Callable[[int, int], None]
 Vector = tuple[float, float]
@@ -27,7 +29,7 @@ def verify(
     elements: tuple[int, int] = (108, 12),
     law: LawName = "svk",
     jaw: JawKind = "rigid",
-    friction: Friction = 0.0,
+    friction: Friction | None = None,
     laws: bool = False,
     result: Result | None = None,
     progress: Progress | None = None,
@@ -51,7 +53,8 @@ def verify(
     jaw
         "rigid" (moves with the end face), or "elastic": of the finger's material, with the finger going on above it.
     friction
-        Coulomb's coefficient: a number, or one for "finger" and one for "jaw". Gripper's result is compared as it is.
+        Coulomb's coefficient in place of the scene's: a number, or one for "finger" and one for "jaw". Slip, stick and
+        memory are found along the motion, from its first touch on; without a motion the scene's sense is taken.
     laws
         Whether to say what the other laws alone would change (two more runs on the second mesh).
     result
@@ -70,7 +73,7 @@ def verify(
     LookupError
         An unknown law or part.
     """
-    _check(elements, jaw)
+    _check(elements, jaw, friction)
     way, wanted = _way(scene.motion, parameters)
     models = _models(Model(elements=elements, law=law, jaw=jaw, friction=friction), laws)
     tick = _ticker(progress, len(models) * sum(wanted))
@@ -82,17 +85,19 @@ def verify(
     runs = {name: run(scene, model, way, wanted, tick) for name, model in models.items()}
     places = [value for value, asked in zip(way, wanted, strict=True) if asked]
     entries = [
-        _pose(scene, value, pose, {name: found[i] for name, found in runs.items()}, law)
+        _pose(scene, value, pose, {name: found[i] for name, found in runs.items()})
         for i, (value, pose) in enumerate(zip(places, poses, strict=True))
     ]
     return Verification(scene=scene, model=models["fine"], second=models["coarse"].elements, poses=tuple(entries))
 
 
-def _check(elements: tuple[int, int], jaw: str) -> None:
+def _check(elements: tuple[int, int], jaw: str, friction: Friction | None) -> None:
     if min(elements) < 2 or any(int(n) != n for n in elements):
         raise ValueError(f"elements must be two whole numbers, at least 2; got {elements!r}")
     if jaw not in ("rigid", "elastic"):
         raise LookupError(f"unknown jaw {jaw!r}; known: rigid, elastic")
+    if friction is not None:
+        check(friction)
 
 
 def _models(model: Model, laws: bool) -> dict[str, Model]:
@@ -133,7 +138,7 @@ def _passed(values: Sequence[float], asked: list[float]) -> Iterator[tuple[float
     start = values[0]
     at_start = bool(asked) and asked[0] == start
     yield (asked.pop(0) if at_start else start), at_start
-    for before, after in zip(values, values[1:], strict=False):
+    for before, after in pairwise(values):
         low, high = min(before, after), max(before, after)
         while asked and low <= asked[0] <= high and asked[0] != before:
             yield asked.pop(0), True
@@ -163,10 +168,12 @@ def _picked(result: Result, values: Sequence[float]) -> list[PoseResult]:
     return picked
 
 
-def _pose(scene: Scene, value: float, pose: PoseResult, runs: dict[str, Found], law: str) -> VerifiedPose:
+def _pose(scene: Scene, value: float, pose: PoseResult, runs: dict[str, Found]) -> VerifiedPose:
     fine, coarse = runs["fine"], runs["coarse"]
     beam = _beam(scene, value, pose)
-    others = {name: _signed(coarse.force, found.force) for name, found in runs.items() if name in LAWS}
+    others: dict[str, float | None] = {
+        name: _larger(coarse.force, found.force) for name, found in runs.items() if name in LAWS
+    }
     return VerifiedPose(
         parameter=value if scene.motion else None,
         elements=fine,
@@ -198,7 +205,7 @@ def _apart(force: Vector | None, other: Vector | None) -> float | None:
     return math.dist(force, other) / math.hypot(*force)
 
 
-def _signed(force: Vector | None, other: Vector | None) -> float | None:
+def _larger(force: Vector | None, other: Vector | None) -> float | None:
     """How much larger the other force is, relative."""
     if force is None or other is None or math.hypot(*force) == 0:
         return None

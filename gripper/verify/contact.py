@@ -1,8 +1,8 @@
 """Contact of the finger's real surface with a rigid object: a stiff penalty on g, Coulomb friction by return mapping.
 
-A point of the outline at depth -g > 0 is pushed by N = -k g |grad g| along n = grad g / |grad g|, and dragged by T along
-the object's tangent t: trial T = T_old - k (slip since the last pose), cut back to mu N. The stiffness is such that the
-depth is negligible; it is reported. Where the object has corners, these are also kept out of the finger
+A point of the outline at depth -g > 0 is pushed by N = -k g |grad g| along n = grad g / |grad g|, and dragged by T
+along the object's tangent t: trial T = T_old - k (slip since the last pose), cut back to mu N. The stiffness is such
+that the depth is negligible; it is reported. Where the object has corners, these are also kept out of the finger
 (:mod:`gripper.verify.corners`): they would slip between the points.
 """
 
@@ -14,10 +14,10 @@ import numpy as np
 
 from gripper.objects import Array, Object
 from gripper.verify.corners import Corners
-from gripper.verify.mesh import Index
 from gripper.verify.motion import Frame
+from gripper.verify.outline import Index
 from gripper.verify.surface import Places
-from gripper.verify.touch import History, Mask, Touch
+from gripper.verify.touch import History, Mask, Touch, prescribed
 
 _STEEPEST = 4.0  # bound of |grad g| near the outline, where it is about 1: sorts out edges that are far away
 
@@ -38,6 +38,8 @@ class Contact:
         The object.
     friction
         Coefficient on each edge, (e,).
+    sense
+        Sign of T on each edge where it is prescribed, else 0, (e,).
     """
 
     places: Places
@@ -45,6 +47,7 @@ class Contact:
     edges: Index
     body: Object
     friction: Array
+    sense: Array
 
     @property
     def count(self) -> int:
@@ -84,7 +87,9 @@ class Contact:
         pushed = self._pushed(self._touching(positions, frame), positions, frame, history)
         if not self.corners.count:
             return pushed
-        return pushed.joined(self.corners.touch(positions, frame, history, self.friction, len(self.places.edge)))
+        return pushed.joined(
+            self.corners.touch(positions, frame, history, (self.friction, self.sense), len(self.places.edge))
+        )
 
     def _touching(self, positions: Array, frame: Frame) -> Index:
         """Numbers of the places with g < 0."""
@@ -109,7 +114,7 @@ class Contact:
         if self.rough:
             rise = -k[:, None] * (size[:, None] * gradient + g[:, None] * np.einsum("kij,kj->ki", hessian, n))
             slid = history.slid(near.nodes, near.shares, points, frame)
-            state = history.friction[at], self.friction[near.edge]
+            state = history.friction[at], self.friction[near.edge], self.sense[near.edge]
             drag = _dragged(k, *state, normal, rise, n, hessian / size[:, None, None], slid)
             friction, sticking = drag[0], drag[1]
             forces, stiffness = forces + drag[2], stiffness + drag[3]
@@ -121,14 +126,22 @@ class Contact:
 
 
 def _dragged(
-    k: Array, old: Array, mu: Array, normal: Array, rise: Array, n: Array, curvature: Array, slid: Array
+    k: Array,
+    old: Array,
+    mu: Array,
+    sense: Array,
+    normal: Array,
+    rise: Array,
+    n: Array,
+    curvature: Array,
+    slid: Array,
 ) -> tuple[Array, Mask, Array, Array]:
     """Coulomb friction by return mapping.
 
     Parameters
     ----------
-    k, old, mu
-        Stiffness, last friction and coefficient (m,).
+    k, old, mu, sense
+        Stiffness, last friction, coefficient and prescribed sign (m,).
     normal, rise
         N and its derivative by the point, (m,) and (m, 2).
     n, curvature
@@ -142,7 +155,7 @@ def _dragged(
     """
     t = np.stack([-n[:, 1], n[:, 0]], axis=1)
     bend = np.einsum("kij,kj->ki", curvature, t)
-    trial = old - k * np.einsum("ki,ki->k", t, slid)
+    trial = prescribed(sense, old - k * np.einsum("ki,ki->k", t, slid))
     limit = mu * np.maximum(normal, 0)
     sticking = np.abs(trial) < limit
     friction = np.where(sticking, trial, np.sign(trial) * limit)

@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 
 from gripper.objects import Array
 from gripper.verify.elements import lagrange
-from gripper.verify.mesh import Index, Mesh
+from gripper.verify.mesh import Mesh
 from gripper.verify.motion import Frame
+from gripper.verify.outline import Index
 from gripper.verify.surface import CORNER_STIFFNESS
-from gripper.verify.touch import History, Touch
+from gripper.verify.touch import History, Touch, prescribed
 
 _CURVED = np.array([1.0, -2.0, 1.0])  # second derivatives of the shape functions
 _TINY = 1e-30  # of a complex step: the derivative is exact to round-off
@@ -46,8 +47,9 @@ class Corners:
     @classmethod
     def of(cls, mesh: Mesh, points: Array, youngs_modulus: float, thickness: float) -> Corners:
         """Corners (c, 2) against a mesh's outline; the finger is nowhere thinner than ``thickness``."""
-        width = mesh.width(mesh.nodes[mesh.edges[:, 1], 0])
-        return cls(points, mesh.edges, mesh.along, CORNER_STIFFNESS * youngs_modulus * width, thickness / 2)
+        edges, along = mesh.outline.edges, mesh.outline.along
+        stiffness = CORNER_STIFFNESS * youngs_modulus * mesh.width(mesh.nodes[edges[:, 1], 0])
+        return cls(points, edges, along, stiffness, thickness / 2)
 
     @property
     def count(self) -> int:
@@ -75,15 +77,15 @@ class Corners:
         chosen = order[first]
         return corner[chosen], edge[chosen], xi[chosen], distance[chosen]
 
-    def touch(self, positions: Array, frame: Frame, history: History, mu: Array, first: int) -> Touch:
+    def touch(self, positions: Array, frame: Frame, history: History, rough: tuple[Array, Array], first: int) -> Touch:
         """Forces of the corners inside the finger.
 
         Parameters
         ----------
         positions, frame, history
             As `gripper.verify.contact.Contact.touch`.
-        mu
-            Coefficient on each edge (e,).
+        rough
+            Coefficient and prescribed sign of T on each edge (e,).
         first
             Number of the first corner in ``history.friction``.
         """
@@ -93,7 +95,8 @@ class Corners:
         corner, edge, xi = corner[chosen], edge[chosen], xi[chosen]
         nodes = self.edges[edge]
         back = frame.place(history.frame.local(history.positions[nodes].reshape(-1, 2))).reshape(-1, 3, 2)
-        push = _Push(points[corner], back, self.stiffness[edge], mu[edge], history.friction[first + corner], xi)
+        rules = self.stiffness[edge], rough[0][edge], rough[1][edge], history.friction[first + corner]
+        push = _Push(points[corner], back, *rules, xi)
         x = positions[nodes]
         forces, normal, friction, sticking = push(x)
         places, n, depth = _stand(x, points[corner], xi)
@@ -103,11 +106,11 @@ class Corners:
         return Touch(first + corner, edge, along, places, -n, *state, nodes, forces, push.stiffness_at(x))
 
 
-def _rows(weights: NDArray[np.inexact], x: NDArray[np.inexact]) -> NDArray[np.inexact]:
+def _rows(weights: Array, x: Array) -> Array:
     return np.einsum("ka,kai->ki", weights, x)
 
 
-def _dot(a: NDArray[np.inexact], b: NDArray[np.inexact]) -> NDArray[np.inexact]:
+def _dot(a: Array, b: Array) -> Array:
     return np.einsum("ki,ki->k", a, b)
 
 
@@ -119,7 +122,7 @@ def _closer(x: Array, point: Array, xi: Array) -> Array:
 
 
 def _stand(x: Array, point: Array, xi: Array) -> tuple[Array, Array, Array]:
-    """The foot (m, 2), the outward normal (m, 2), and the distance along it (m,)."""
+    """The foot (m, 2), the outward normal (m, 2), and the distance along it (m,); also of complex numbers."""
     shares, slopes = lagrange(xi)
     foot, tangent = _rows(shares, x), _rows(slopes, x)
     normal = np.stack([tangent[:, 1], -tangent[:, 0]], axis=1) / np.sqrt(_dot(tangent, tangent))[:, None]
@@ -134,8 +137,8 @@ class _Push:
     ----------
     point, back
         The corners (m, 2), and where the nodes stood, carried along with the object (m, 3, 2).
-    k, mu, old
-        Stiffness, coefficient and last friction (m,).
+    k, mu, sense, old
+        Stiffness, coefficient, prescribed sign and last friction (m,).
     xi
         The feet's coordinates (m,).
     """
@@ -144,6 +147,7 @@ class _Push:
     back: Array
     k: Array
     mu: Array
+    sense: Array
     old: Array
     xi: Array
 
@@ -155,8 +159,9 @@ class _Push:
         t = np.stack([n[:, 1], -n[:, 0]], axis=1)  # along the object, as n points into it
         trial = self.old - self.k * _dot(_rows(shares, x - self.back), t)
         limit = self.mu * np.where(normal.real > 0, normal, 0)
-        sticking = np.abs(trial.real) < limit.real
-        friction = np.where(sticking, trial, np.sign(trial.real) * limit)
+        sign = prescribed(self.sense, trial.real)
+        sticking = np.abs(sign) < limit.real
+        friction = np.where(sticking, trial, np.sign(sign) * limit)
         force = -normal[:, None] * n + friction[:, None] * t
         return shares[:, :, None] * force[:, None], normal, friction, sticking
 

@@ -1,16 +1,17 @@
-"""Following an equilibrium along a motion: bounded steps, halved where Newton fails or jumps; snaps by damped descent."""
+"""Following an equilibrium along a motion: bounded steps, halved where Newton fails or jumps; damped where it ends."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
 from gripper.objects import Array
-from gripper.verify.mesh import Index
 from gripper.verify.motion import Frame, Path, travel
 from gripper.verify.newton import NoSolutionError, Solution, System
+from gripper.verify.outline import Index
 from gripper.verify.touch import History
 
 LONGEST = 0.15  # of L: a step without friction
@@ -18,9 +19,11 @@ ROUGH = 0.05  # of L: with friction, where the way matters
 SHORTEST = 1e-4  # of L: where steps this short fail, the equilibrium has ended, or needs damping to be found
 GROWTH = 1.5  # of a step on the one before
 DEEPEST = 1e-3  # of the thickness: a deeper contact is no answer
+THINNEST = 1e-3  # of L: steps no shorter than this for a thin object's sake
 JUMP = 1e-2  # of L: a larger motion of a node is a snap
 _FURTHEST = 20.0  # of L: beyond this no retreat is tried
-_DESCENTS = 400
+_DESCENTS = 200
+_LOOSE = 1e-7  # of E b: drag that an equilibrium does not need any more
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,8 +82,8 @@ class Follower:
         unknowns = self.system.body.start
         self._unknowns, positions = unknowns, self.system.body.positions(unknowns)
         self._rate = np.zeros_like(unknowns)
-        back = self._retreat(path(start), positions, approach)
-        unit = (approach[0] / np.hypot(*approach), approach[1] / np.hypot(*approach))
+        unit = approach[0] / math.hypot(*approach), approach[1] / math.hypot(*approach)
+        back = self._retreat(path(start), positions, unit)
         self.history = History(positions, path(start).shifted(unit, -back), np.zeros(self.system.contact.count))
         if back:
             self._path: Path = lambda distance: path(start).shifted(unit, distance)
@@ -89,15 +92,14 @@ class Follower:
         self._path, self._at, self.snapped = path, start, False
         self._rate = np.zeros_like(unknowns)
 
-    def _retreat(self, frame: Frame, positions: Array, approach: tuple[float, float]) -> float:
+    def _retreat(self, frame: Frame, positions: Array, unit: tuple[float, float]) -> float:
         """How far back along its approach the object leaves the straight finger free, in m."""
-        unit = (approach[0] / np.hypot(*approach), approach[1] / np.hypot(*approach))
         pace = float(np.clip(self.setting.inner_radius / 2, 0.01 * self.setting.length, 0.1 * self.setting.length))
         back = 0.0
         while not self._clear(frame.shifted(unit, -back), positions):
             back += pace
             if back > _FURTHEST * self.setting.length:
-                raise NoSolutionError(f"the object holds the finger however far it retreats against {approach}")
+                raise NoSolutionError(f"the object holds the finger however far it retreats against {unit}")
         return back
 
     def _clear(self, frame: Frame, positions: Array) -> bool:
@@ -116,8 +118,7 @@ class Follower:
             No equilibrium could be followed that far; the follower stays at the last one.
         """
         self.iterations, self.snapped = 0, False
-        solution = self._step(self._at) if self._at == target else None
-        while self._at != target:
+        while True:
             following, distance = self._within(target)
             try:
                 solution = self._step(following)
@@ -127,7 +128,8 @@ class Follower:
                 if self._bound < SHORTEST * self.setting.length:
                     solution = self._snap(following, error)
                     self._bound = 1e-3 * self.setting.length
-        assert solution is not None  # the loop ran, or the pose was solved again
+            if self._at == target:
+                break
         self.depth = max(0.0, -self.system.contact.gap(solution.positions, self.history.frame))
         if self.depth > DEEPEST * self.setting.thickness:
             raise NoSolutionError(f"the object is {self.depth:.2g} m inside the finger: finer elements may resolve it")
@@ -136,7 +138,8 @@ class Follower:
     def _within(self, target: float) -> tuple[float, float]:
         """The next parameter, and how far the object moves until there, in m."""
         L = self.setting.length
-        room = min(ROUGH * L if self.system.contact.rough else LONGEST * L, self.setting.inner_radius / 2, self._bound)
+        longest = (ROUGH if self.system.contact.rough else LONGEST) * L
+        room = min(longest, max(self.setting.inner_radius / 2, THINNEST * L), self._bound)
         distance = self._travel(target)
         steps = math.ceil(distance / room)
         following = self._at + (target - self._at) / max(steps, 1)
@@ -144,7 +147,7 @@ class Follower:
 
     def _travel(self, target: float) -> float:
         marks = [self._path(self._at + (target - self._at) * i / 8) for i in range(9)]
-        return sum(travel(a, b, self.setting.reach) for a, b in zip(marks, marks[1:], strict=False))
+        return sum(travel(a, b, self.setting.reach) for a, b in pairwise(marks))
 
     def _step(self, following: float) -> Solution:
         """Go on along the last step's direction, and correct."""
@@ -176,29 +179,24 @@ class Follower:
 
     def _snap(self, following: float, error: ArithmeticError) -> Solution:
         """Let the finger go, heavily damped, from an equilibrium that has ended to the next one."""
-        frame, body = self._path(following), self.system.body
+        frame, body, L = self._path(following), self.system.body, self.setting.length
         scale = np.full(body.size, self.setting.stiffness)
-        scale[body.size - body.moves_jaw :] *= self.setting.length**2
-        drag, unknowns, before = 1e-2, self._unknowns, self.history.positions
+        scale[body.size - body.moves_jaw :] *= L**2
+        drag, floor, before = 1e-2, 0.0, self.history.positions
         for _ in range(_DESCENTS):
-            damped = replace(self.system, drag=drag * scale, anchor=unknowns)
+            damped = replace(self.system, drag=drag * scale, anchor=self._unknowns)
             try:
-                solution = damped.solve(unknowns, frame, self.history)
+                solution = damped.solve(self._unknowns, frame, self.history)
             except ArithmeticError:
-                drag *= 8
-                if drag > 1e6:
-                    break
+                drag, floor = 8 * drag, 2 * drag
                 continue
+            moved = float(np.max(np.abs(solution.positions - self.history.positions)))
             self._accept(following, frame, solution)
-            unknowns, drag = solution.unknowns, drag / (3 if solution.iterations < 12 else 1.5)
-            if drag < 1e-12:
-                solution = self.system.solve(unknowns, frame, self.history)
-                if not self.system.stable(solution):
-                    break
-                self._accept(following, frame, solution)
-                self._rate = np.zeros_like(unknowns)
-                jump = float(np.max(np.abs(solution.positions - before)))
-                self.snapped |= jump > JUMP * self.setting.length
+            drag, floor = max(drag / 3, floor), floor / 1.5
+            if drag < _LOOSE and moved < JUMP * L:
+                self._rate = np.zeros_like(self._rate)
+                solution = self._step(following)
+                self.snapped |= bool(np.max(np.abs(solution.positions - before)) > JUMP * L)
                 return solution
         raise NoSolutionError(f"no equilibrium to follow, and none found by descent: {error}")
 

@@ -8,8 +8,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
+from gripper.fingers import Material
+from gripper.pose import placed
 from gripper.pose_result import Contact
 from gripper.scene import Scene
+from gripper.verify.friction import is_rough
 from gripper.verify.run import Found, Model, Place
 
 Vector = tuple[float, float]
@@ -79,13 +82,26 @@ class Verification:
 
     @property
     def largest_difference(self) -> float | None:
-        """Largest relative difference of the force over all poses; None where there is none."""
+        """Largest relative difference of the force over all poses; None where there is nothing to compare."""
+        if not self.same_friction:
+            return None
         return max((p.force_difference for p in self.poses if p.force_difference is not None), default=None)
 
     @property
     def failed(self) -> tuple[VerifiedPose, ...]:
         """The poses that the elements could not solve."""
         return tuple(pose for pose in self.poses if pose.elements.status == "failed")
+
+    @property
+    def rough(self) -> bool:
+        """Whether the elements have friction."""
+        return is_rough(self.scene, self.model.friction)
+
+    @property
+    def same_friction(self) -> bool:
+        """Whether elements and gripper both have friction, or neither."""
+        states = {contact.state for pose in self.poses for contact in pose.gripper.contacts}
+        return not states or self.rough == bool(states - {"frictionless"})
 
     @property
     def parameter(self) -> str | None:
@@ -106,16 +122,13 @@ class Verification:
             }
             for pose in self.poses
         ]
-        material = self.scene_material
-        model = {**asdict(self.model), "second_mesh": self.second, "plane": material}
+        model = {**asdict(self.model), "second_mesh": self.second, "plane": self.material.plane}
         return {"schema": 1, "title": self.scene.title, "parameter": self.parameter, "model": model, "poses": poses}
 
     @property
-    def scene_material(self) -> str:
-        """Plane stress or strain."""
-        from gripper.pose import placed
-
-        return placed(self.scene.finger).body.material.plane
+    def material(self) -> Material:
+        """The finger's."""
+        return placed(self.scene.finger).body.material
 
     def csv(self) -> str:
         """Write one row a pose, units in the column names, empty cells where there is no answer."""
@@ -132,6 +145,7 @@ class Verification:
         return "\n\n".join("\n".join(block) for block in _blocks(self) if block)
 
 
+_ISOTROPIC = 0.01
 _COLUMNS = (
     "status",
     "elements_force_x_N",
@@ -164,7 +178,7 @@ def _place(contact: Contact) -> Place:
 
 
 def _number(value: float | None, digits: int = 4) -> str:
-    return "" if value is None else f"{value:.{digits}g}"
+    return "" if value is None else f"{round(value, 12) + 0.0:.{digits}g}"
 
 
 def _percent(value: float | None, sign: str = "") -> str:
@@ -183,12 +197,20 @@ def _aligned(rows: Sequence[Sequence[str]]) -> list[str]:
 def _blocks(report: Verification) -> list[list[str]]:
     model = report.model
     along, across = model.elements
+    friction = "friction" if report.rough else "no friction"
+    jaw = f"{model.jaw} jaw, " if placed(report.scene.finger).body.jaw is not None else ""
     head = [report.scene.title] if report.scene.title else []
     head += [
-        f"finite elements: {along} x {across} quadratic, {model.law}, plane {report.scene_material}, "
-        f"{model.jaw} jaw, friction {model.friction}; mesh error from {report.second[0]} x {report.second[1]}",
+        f"finite elements: {along} x {across} quadratic, {model.law}, plane {report.material.plane}, "
+        f"{jaw}{friction}; mesh error from {report.second[0]} x {report.second[1]}",
         "force of the finger on the object and tip in the finger's frame; gripper's in brackets",
     ]
+    material = report.material
+    isotropic = material.youngs_modulus / (2 * (1 + material.poisson_ratio))
+    if abs(material.G / isotropic - 1) > _ISOTROPIC:
+        head.append(f"the elements use G = {isotropic:.4g} Pa of E and nu, gripper {material.G:.4g} Pa as given")
+    if not report.same_friction:
+        head.append("the forces are not compared: one of the two has no friction")
     failures = [f"pose {i}: {p.elements.reason}" for i, p in enumerate(report.poses) if p.elements.reason]
     snaps = [f"pose {i}: the elements snapped on the way" for i, p in enumerate(report.poses) if p.elements.snapped]
     return [head, _aligned(_forces(report)), _aligned(_shapes(report)), snaps + failures]
@@ -196,7 +218,7 @@ def _blocks(report: Verification) -> list[list[str]]:
 
 def _name(report: Verification, i: int) -> str:
     parameter = report.poses[i].parameter
-    return str(i) if parameter is None else _number(round(parameter, 12) + 0.0)
+    return str(i) if parameter is None else _number(parameter)
 
 
 def _forces(report: Verification) -> list[list[str]]:
@@ -206,7 +228,7 @@ def _forces(report: Verification) -> list[list[str]]:
     for i, pose in enumerate(report.poses):
         fem, beam = pose.elements.force or (None, None), pose.gripper.force or (None, None)
         pairs = [_number(fem[0], 5), f"({_number(beam[0], 5)})", _number(fem[1], 5), f"({_number(beam[1], 5)})"]
-        relative = [_percent(pose.force_difference), _percent(pose.mesh_error)]
+        relative = [_percent(pose.force_difference) if report.same_friction else "", _percent(pose.mesh_error)]
         changes = [_percent(pose.laws[law], "+") for law in laws]
         rows.append([_name(report, i), pose.elements.status, *pairs, *relative, *changes])
     return rows
@@ -216,7 +238,7 @@ def _shapes(report: Verification) -> list[list[str]]:
     rows = [[report.parameter or "pose", "tip (m)", "apart (m)", "contact", "", "strain", "", "CPU s", ""]]
     for i, pose in enumerate(report.poses):
         fem, beam = pose.elements, pose.gripper
-        tip = f"{fem.tip[0]:.5f} {fem.tip[1]:.5f}" if fem.tip else ""
+        tip = " ".join(f"{round(x, 5) + 0.0:.5f}" for x in fem.tip or ())
         places = [_where(fem.contacts), f"({_where(beam.contacts)})"]
         strains = [_number(fem.max_strain, 3), f"({_number(beam.max_strain, 3)})"]
         seconds = [_number(fem.seconds, 3), f"({_number(beam.seconds, 2)})"]

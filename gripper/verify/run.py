@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from gripper.fingers import S
-from gripper.objects import Array
 from gripper.pose import placed
 from gripper.scene import Scene
 from gripper.verify.body import Body
@@ -17,15 +16,17 @@ from gripper.verify.contact import Contact
 from gripper.verify.corners import Corners
 from gripper.verify.elements import Elements
 from gripper.verify.follow import Follower, Setting
+from gripper.verify.friction import Friction, coefficients, senses
 from gripper.verify.material import Law, LawName
-from gripper.verify.mesh import PARTS, JawKind, Mesh, Part, build, profile
+from gripper.verify.mesh import JawKind, Mesh, build, profile
 from gripper.verify.motion import relative
 from gripper.verify.newton import Solution, System
+from gripper.verify.outline import PARTS, Part
 from gripper.verify.surface import places
 from gripper.verify.touch import Touch
 
-Friction = float | Mapping[str, float]
 _ROUND_OFF = 2e-15
+_NO_CONTACT = 1e-2  # of all normal forces: the end of an edge beside a corner that carries the force
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,13 +42,13 @@ class Model:
     jaw
         "rigid" or "elastic".
     friction
-        Coulomb's coefficient: a number, or one for "finger" and one for "jaw".
+        Coulomb's coefficient: a number, or one for "finger" and one for "jaw"; None for the scene's own.
     """
 
     elements: tuple[int, int]
     law: LawName = "svk"
     jaw: JawKind = "rigid"
-    friction: Friction = 0.0
+    friction: Friction | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,26 +108,13 @@ def assembled(scene: Scene, model: Model) -> tuple[Setting, Mesh]:
     w = profile(finger.w(S))(stations)
     thickness, E, b = float(w.min()), material.youngs_modulus, float(mesh.width(stations[:1])[0])
     corners = Corners.of(mesh, np.asarray(body.corners, dtype=float), E, thickness)
-    friction = _coefficients(model.friction)[mesh.part]
-    contact = Contact(places(mesh, E, thickness), corners, mesh.edges, body, friction)
+    mu, sense = coefficients(scene, model.friction, mesh), senses(scene, model.friction, mesh)
+    contact = Contact(places(mesh, E, thickness), corners, mesh.outline.edges, body, mu, sense)
     floor = E * b * (1e-9 * w[0] ** 3 / 12 / finger.length**2 + _ROUND_OFF * finger.length**2 / mesh.size)
     system = System(Body(mesh, elements), elements, contact, float(floor))
     reach = float(min(np.hypot(*np.abs(np.reshape(body.box, (2, 2))).max(axis=0)), 2 * finger.length))
     inner = np.asarray(body.inner_point, dtype=float)
     return Setting(system, E * b, finger.length, thickness, reach, inner, body.inner_radius), mesh
-
-
-def _coefficients(friction: Friction) -> Array:
-    """Coefficient on each part of the outline."""
-    if not isinstance(friction, Mapping):
-        friction = {"finger": friction, "jaw": friction}
-    for name, value in friction.items():
-        if name not in ("finger", "jaw"):
-            raise LookupError(f"unknown part {name!r} of friction; known: finger, jaw")
-        if not (np.isfinite(value) and value >= 0):
-            raise ValueError(f"friction must be a coefficient, at least 0; got {value!r}")
-    finger, jaw = friction.get("finger", 0.0), friction.get("jaw", 0.0)
-    return np.array([jaw if part == "jaw" else finger for part in PARTS], dtype=float)
 
 
 def run(
@@ -180,14 +168,14 @@ def _pose(follower: Follower, mesh: Mesh, solution: Solution) -> Found:
 
 def _contacts(mesh: Mesh, touch: Touch) -> tuple[Place, ...]:
     """Separate contacts: touching points of one part with no free element between them."""
-    part = mesh.part[touch.edge]
+    part = mesh.outline.part[touch.edge]
     order = np.lexsort((touch.along, part))
     new = np.diff(part[order], prepend=-1) != 0
     new |= np.abs(np.diff(touch.along[order], prepend=np.inf)) > mesh.size
-    groups = np.split(order, np.flatnonzero(new)[1:]) if order.size else []
     contacts = []
-    for group in groups:
+    for group in np.split(order, np.flatnonzero(new)[1:]) if order.size else []:
         normal = touch.normal[group]
-        s = float(np.average(touch.along[group], weights=np.abs(normal) + 1e-300))
-        contacts.append(Place(on=PARTS[part[group[0]]], s=s, normal_force=float(normal.sum())))
+        if normal.sum() > _NO_CONTACT * touch.normal.sum():
+            s = float(np.average(touch.along[group], weights=normal))
+            contacts.append(Place(on=PARTS[part[group[0]]], s=s, normal_force=float(normal.sum())))
     return tuple(contacts)

@@ -8,7 +8,8 @@ import numpy as np
 
 from gripper.objects import Array
 from gripper.verify.elements import lagrange
-from gripper.verify.mesh import Index, Mesh
+from gripper.verify.mesh import Mesh
+from gripper.verify.outline import Index
 
 FACE_STIFFNESS = 200.0  # pressure over depth, by E / thickness: depths stay near 1e-5 of the length
 CORNER_STIFFNESS = 100.0  # force over depth, by E b
@@ -58,16 +59,17 @@ def places(mesh: Mesh, youngs_modulus: float, thickness: float) -> Places:
     thickness
         That sets the points' spacing and stiffness, in m.
     """
-    ends = mesh.nodes[mesh.edges[:, [0, 2]]]
+    edges, corners = mesh.outline.edges, mesh.outline.corners
+    ends = mesh.nodes[edges[:, [0, 2]]]
     lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
     counts = np.maximum(4, np.ceil(lengths * SPACING / thickness)).astype(int)
     edge = np.repeat(np.arange(len(counts)), counts + 1)
     step = np.concatenate([np.arange(n + 1) / n for n in counts])
     weight = lengths[edge] / counts[edge] * np.where((step == 0) | (step == 1), 0.5, 1.0)
-    corner_edge = np.array([np.flatnonzero(mesh.edges[:, 0] == node)[0] for node in mesh.corners], dtype=np.intp)
+    corner_edge = np.array([np.flatnonzero(edges[:, 0] == node)[0] for node in corners], dtype=np.intp)
     corner_shares = np.tile([1.0, 0.0, 0.0], (len(corner_edge), 1))
     edge, shares = np.append(edge, corner_edge), np.concatenate([lagrange(2 * step - 1)[0], corner_shares])
     stiffness = np.append(FACE_STIFFNESS / thickness * weight, np.full(len(corner_edge), CORNER_STIFFNESS))
-    nodes = mesh.edges[edge]
-    along = np.einsum("ka,ka->k", shares, mesh.along[edge])
+    nodes = edges[edge]
+    along = np.einsum("ka,ka->k", shares, mesh.outline.along[edge])
     return Places(edge, nodes, shares, youngs_modulus * mesh.width(mesh.nodes[nodes[:, 1], 0]) * stiffness, along)

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from gripper.objects import Array
 from gripper.verify.body import Triplets
-from gripper.verify.mesh import Index
 from gripper.verify.motion import Frame
+from gripper.verify.outline import Index
 
 Mask = NDArray[np.bool_]
 
@@ -101,3 +101,8 @@ class Touch:
     def size(self) -> float:
         """Sum of the forces' sizes, in N."""
         return float(np.sum(np.linalg.norm(self.forces.sum(axis=1), axis=1)))
+
+
+def prescribed(sense: Array, trial: Array) -> Array:
+    """Trial friction (m,), beyond any limit where its sign is prescribed (m,)."""
+    return np.where(sense == 0, trial, np.copysign(np.inf, sense))
