@@ -83,7 +83,7 @@ def left_out(scene: Scene) -> tuple[LeftOut, ...]:
         out.append(LeftOut(what="friction", why="coefficient is 0" if scene.friction else "none is given"))
     if scene.theory == "bending":
         out.append(LeftOut(what="shear strain", why="theory is bending"))
-    out.append(LeftOut(what="stretch of the axis", why=f"theory is {scene.theory}"))
+    out.append(LeftOut(what="stretch of the axis", why="neither bending nor shear has it"))
     if finger.jaw is None:
         out.append(LeftOut(what="jaw", why="the finger has none"))
     return tuple(out)

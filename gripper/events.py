@@ -21,6 +21,7 @@ _SHORT = 0.999  # of the way to a root that must not be passed
 _STEPS = 30
 _SHORT = 0.999  # of the way to an end that must not be passed
 _ROUND_OFF = 1e-13
+STRUT = "met head-on the finger is a strut and buckles: to which side is undecided by statics"
 _GRAZED = 1e-9  # of L: contacts that only graze are none
 _NEAR = 0.02  # of L: as far as a first contact may roll on to another piece within a step
 _SHARP = 1e-10  # of the step: where an event is located to
@@ -83,11 +84,13 @@ def changes(setting: Setting, path: Path, old: Along, new: Along, order: int) ->
             where = _released(setting, path, new, old.parameter, won, order)
         else:
             where = _first_touch(setting, path, old, new)
+            if head_on(setting, path, old, where):
+                out.append(Change(where, "snap", STRUT))
         out.append(Change(where, "touch", _feature_name(setting, won)))
     for lost in gone[pairs:]:
         where = _released(setting, path, old, new.parameter, lost, order)
         out.append(Change(where, "release", _feature_name(setting, lost)))
-    return sorted(out, key=lambda change: abs(change.parameter - old.parameter))
+    return sorted(out, key=lambda change: (abs(change.parameter - old.parameter), change.kind == "snap"))
 
 
 def _first_touch(setting: Setting, path: Path, old: Along, new: Along) -> float:
@@ -117,6 +120,14 @@ def touched_at(setting: Setting, path: Path, old: Along, stop: float) -> float:
         return min((gap for gap, _ in found), default=1.0) + _GRAZED
 
     return _bracketed(least, old.parameter, stop)
+
+
+def head_on(setting: Setting, path: Path, straight: Along, parameter: float) -> bool:
+    """Whether the straight finger is met on its end face, where it is a strut."""
+    state, obstacle = straight.equilibrium.state, setting.obstacle(path.frame(parameter))
+    gaps = least_gaps(setting, obstacle, state, survey(setting, obstacle, state, brief=True))
+    site = min(gaps, key=lambda gap: gap[0], default=(0.0, None))[1]
+    return site is not None and site.kind == "tangent" and setting.outline.place(site.piece, np.zeros(1))[0] == "tip"
 
 
 def _same(setting: Setting, touched: Site, site: Site) -> bool:

@@ -15,7 +15,7 @@ from gripper.certificate import DEPTH, survey
 from gripper.clearance import clearance
 from gripper.contact import Site
 from gripper.equilibrium import NoEquilibriumError, Setting, State, settle
-from gripper.events import Along, Change, Path, changes
+from gripper.events import STRUT, Along, Change, Path, changes, head_on
 from gripper.snap import descend, distance
 
 _LONGEST = 0.1  # of L
@@ -178,7 +178,12 @@ class Tracker:
         """The finger is straight now and the object would penetrate it: SLSQP finds the contacts."""
         start = self.current.equilibrium.state
         obstacle = self.setting.obstacle(self.path.frame(following))
-        found = find(self.setting, obstacle, start, self.order)
+        try:
+            found = find(self.setting, obstacle, start, self.order)
+        except NoEquilibriumError as error:
+            if head_on(self.setting, self.path, Along(self.parameter, self.current.equilibrium), following):
+                raise NoEquilibriumError(STRUT) from error
+            raise
         travel = self._travel(self.parameter, following)
         self._compare(found, distance(found.equilibrium.state, start), travel)
         return found

@@ -93,7 +93,7 @@ fingers, bodies = st.sampled_from(list(FINGERS)), st.sampled_from(list(BODIES))
 
 
 @given(finger=fingers, body=bodies, seed=seeds, size=st.floats(-8, -1))
-@settings(deadline=None, max_examples=120)
+@settings(deadline=None, max_examples=60)
 def test_no_penetration_hides_in_an_outline_that_is_called_clear(
     finger: str, body: str, seed: int, size: float
 ) -> None:
@@ -109,7 +109,7 @@ def test_no_penetration_hides_in_an_outline_that_is_called_clear(
 
 
 @given(finger=fingers, body=bodies, seed=seeds, size=st.floats(-4, -1))
-@settings(deadline=None, max_examples=120)
+@settings(deadline=None, max_examples=60)
 def test_a_finger_that_is_clear_by_little_is_called_clear(finger: str, body: str, seed: int, size: float) -> None:
     """No false alarm: refinement ends where nothing overlaps."""
     found, state = deflected(finger, body, seed)

@@ -142,11 +142,10 @@ def test_the_error_estimate_is_of_the_size_of_the_error(name: str, tolerance: fl
 
 STENCIL = ((-2, 1 / 12), (-1, -8 / 12), (1, 8 / 12), (2, -1 / 12))
 PLACES = [
-    (micro_assembly, 0.086, 0.06781, 0.057),
-    (micro_assembly, 0.086, 0.060, 0.057),
+    (micro_assembly, 0.07, 0.06781, 0.057),
+    (micro_assembly, 0.07, 0.060, 0.057),
     (rotating_finger, RISING[0], -0.0254, 0.1778),
-    (rotating_finger, RISING[0], 0.0508, 0.1778),
-    (rotating_finger, FALLING[0], -0.1524, 0.1778),
+    (rotating_finger, -0.1, -0.1524, 0.1778),
 ]
 located = pytest.mark.parametrize(
     ("example", "start", "place", "length"), PLACES, ids=[f"{f.__name__} at {q}" for f, _, q, _ in PLACES]
