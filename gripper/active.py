@@ -79,20 +79,13 @@ def fit_patches(setting: Setting, equilibrium: Equilibrium) -> tuple[Site, ...]:
             curvature = float(equilibrium.linear.residual_slopes[column, column])
             site = _patch(setting, equilibrium, site, force, curvature)
         elif site.kind == "patch" and site.place[1] - site.place[0] < _PATCH / 2:
-            site = replace(_loosened(site), kind="tangent", place=(site.middle,), modes=1)
+            site = replace(site, kind="tangent", place=(site.middle,), modes=1)
         elif site.kind in ("patch", "tail"):
             modes = _modes(setting, site)
             if modes > site.modes or _modes(setting, site, slack=1.4) < site.modes:  # down later than up
                 site = replace(site, modes=modes)
         sites.append(site)
     return tuple(sites)
-
-
-def _loosened(site: Site) -> Site:
-    """A contact whose kind changes: where it sticks it does so from here on."""
-    if site.grip is None or site.grip.hold != "stick":
-        return site
-    return replace(site, grip=replace(site.grip, anchor=None))
 
 
 def _modes(setting: Setting, site: Site, slack: float = 1.0) -> int:
@@ -115,13 +108,13 @@ def _patch(setting: Setting, equilibrium: Equilibrium, site: Site, force: float,
     if force > rigidity * max(curvature, 0.0) * _FLUSH * decay:
         stop = _flat_until(setting, equilibrium.obstacle, equilibrium.state, site, _DECAYED * decay)
         if stop - site.place[0] > _FLUSH * decay:
-            return replace(_loosened(site), kind="tail", place=(site.place[0] - decay / 2, stop), modes=WIDE)
+            return replace(site, kind="tail", place=(site.place[0] - decay / 2, stop), modes=WIDE)
         return site
     width = force / (rigidity * curvature)
     if width < _PATCH:
         return site
     start, stop = site.place[0] - width / 2, site.place[0] + width / 2
-    return replace(_loosened(site), kind="patch", place=(max(start, 1e-6), stop), modes=NARROW)
+    return replace(site, kind="patch", place=(max(start, 1e-6), stop), modes=NARROW)
 
 
 def _flat_until(setting: Setting, obstacle: Obstacle, state: State, site: Site, reach: float) -> float:

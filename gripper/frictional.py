@@ -28,9 +28,11 @@ from gripper.work import STILL, Balance, Pace, dips, pace, speed
 _NUDGE = 1e-5  # of L: how far beyond the first touch the first hold is decided
 _SHARP = 1e-10  # of the step: where a hold changes is located to
 _AT_ONCE = 1e-9  # of its value at the step's end: a margin this small is none
-_FINE = 1e-3  # of L: shorter steps are not cut for their balance
+_FINE = 1e-2  # of L: shorter steps are not cut for their balance
 _CHANGING = 0.01  # of L: the longest step in which a patch comes or goes, or that ends free of the object
 _BALANCED = 3e-4  # of the energies of a step
+_BEYOND = 1.5  # of the way to where a contact starts to slip, by the tangent
+_LEAST = 1e-4  # of a step
 _SHORTEST = 1e-6  # of L: shorter steps are not cut for a hold
 _MOST = 8  # changes of hold at one place, snaps on the way to one pose
 _ALMOST = 1.05  # a contact that sticks this near to locking does not get away from it
@@ -74,6 +76,7 @@ class FrictionTracker(Tracker):
         if heading != self.heading:
             self._turn(heading)
         self._check_locked(self.current.equilibrium)
+        following = self._within_stick(following)
         found = self._followed(following)
         found = self._decided(found, following)
         late = overdue(found.equilibrium, heading)
@@ -102,6 +105,17 @@ class FrictionTracker(Tracker):
             limit, mu = limiting_ratio(self.setting, equilibrium, i, side), coefficient(equilibrium, i)
             if limit <= factor * mu:
                 raise LockedError(limit, mu)
+
+    def _within_stick(self, following: float) -> float:
+        """No further than a little beyond where a contact that sticks reaches mu: far beyond, its ratio runs away."""
+        equilibrium, way = self.current.equilibrium, abs(following - self.parameter)
+        reach = way
+        for i in leaders(equilibrium):
+            if grip_of(equilibrium, i).hold == "stick":
+                rate = ratio_rate(equilibrium, i) * self.heading
+                room = coefficient(equilibrium, i) - float(np.sign(rate)) * grip_of(equilibrium, i).ratio
+                reach = min(reach, max(_BEYOND * room / abs(rate), _LEAST * way) if rate else reach)
+        return following if reach >= way else self.parameter + self.heading * reach
 
     def _coarse(self, found: Verified, stop: Pace, following: float) -> bool:
         """Whether a hold may change and change back within the step, or its work does not balance."""

@@ -160,7 +160,7 @@ def _taken_over(site: Site, before: Site | None, law: Law) -> Grip:
         return Grip(law).slipping(law.tipward * tipward(site, law.outline))
     if before is None or before.grip is None:
         return Grip(law)
-    same = (before.kind, before.piece, before.vertex) == (site.kind, site.piece, site.vertex)
+    same = (before.piece, before.vertex) == (site.piece, site.vertex)  # an anchor is the matter's, not the patch's
     ratio = before.grip.ratios(before.piece, before.middle)[0]
     return before.grip if same else replace(before.grip, anchor=None, ratio=ratio, follows=False)
 

@@ -248,8 +248,8 @@ def test_friction_of_a_given_sense_follows_coulomb_s_law(mu, x, y, radius, sense
         assert (contact.tangential_force > 0) == (sense == "tipward")
 
 
-@settings(max_examples=8, deadline=None)
-@given(st.floats(0.02, 0.5), st.floats(0.4, 0.9), st.floats(-1.0, 1.0), st.floats(0.05, 0.2))
+@settings(max_examples=6, deadline=None)
+@given(st.floats(0.02, 0.5), st.floats(0.55, 0.9), st.floats(-0.5, 1.0), st.floats(0.05, 0.18))
 def test_friction_along_any_motion_follows_coulomb_s_law_and_dissipates(mu, x, drift, depth):
     target = Circle(radius=0.15).at(x=x + drift * 0.2 * Q, y=-0.2 + depth * Q)
     motion = gr.Motion("q", (0.0, 0.4, 0.8, 1.0, 0.8, 0.5, 0.2))
