@@ -77,7 +77,8 @@ def approach(fixed: Setting, final: Frame, direction: tuple[float, float], order
     path = Retreat(final, unit)
     beam = fixed.beam((), order)
     straight = State(beam, np.zeros(beam.size))
-    pace = min(max(0.5 * fixed.body.inner_radius / fixed.sections.length, 0.01), 0.1)
+    # a little less than the tracker's first step may be, so that one step suffices
+    pace = min(max(0.49 * fixed.body.inner_radius / fixed.sections.length, 0.01), 0.098)
     back = 0.0
     while True:
         free = settle(fixed, fixed.obstacle(path.frame(-back)), straight, order)

@@ -158,7 +158,7 @@ class Tracker:
         obstacle = self.setting.obstacle(self.path.frame(parameter))
         beam = self.setting.beam((), self.order)
         straight = settle(self.setting, obstacle, State(beam, np.zeros(beam.size)), self.order)
-        return Verified(straight, survey(self.setting, obstacle, straight.state))
+        return Verified(straight, survey(self.setting, obstacle, straight.state, brief=True))
 
     def _at(self, parameter: float, state: State) -> Verified:
         obstacle = self.setting.obstacle(self.path.frame(parameter))
