@@ -280,7 +280,7 @@ def held(setting: Setting, obstacle: Obstacle, start: State, guess: State) -> St
     return replace(guess, sites=anchored(before, lin).sites)
 
 
-def find(setting: Setting, obstacle: Obstacle, start: State, order: int) -> Verified:
+def find(setting: Setting, obstacle: Obstacle, start: State, order: int, known: Survey | None = None) -> Verified:
     """Equilibrium from a start whose contacts are not known: SLSQP for the active set, Newton to round-off.
 
     Raises
@@ -289,7 +289,7 @@ def find(setting: Setting, obstacle: Obstacle, start: State, order: int) -> Veri
         Where none is found that verifies.
     """
     state = State(start.beam, start.z)
-    found = survey(setting, obstacle, state, brief=True)
+    found = known or survey(setting, obstacle, state, brief=True)
     candidates = near(setting, obstacle, state, found, REACH)
     reason, iterations = "no candidate for a contact", 0
     for _ in range(_ROUNDS):

@@ -29,7 +29,7 @@ from gripper.sections import sections
 
 _SAMPLES = 9
 _GRAZED = 0.05  # of L: how much wider than the least sampled gap is looked at
-_REFINEMENTS = 3
+_REFINEMENTS = 2
 _GRAZING = 1e-9  # of L: the least deflection that unknowns are scaled to
 _ARCS = np.concatenate([[0.0], np.geomspace(0.02, 3.0, 24)])
 _ORDERS = ((1e-2, 2), (1e-3, 3), (1e-4, 4), (1e-6, 5), (1e-8, 7), (0.0, 9))

@@ -11,7 +11,7 @@ import numpy as np
 
 from gripper.active import Verified, find, settle_contacts, untouched, verify
 from gripper.answer import Answer, discretisation_error
-from gripper.certificate import DEPTH, survey
+from gripper.certificate import DEPTH, Survey, survey
 from gripper.clearance import clearance
 from gripper.contact import Site
 from gripper.equilibrium import NoEquilibriumError, Setting, State, settle
@@ -170,16 +170,16 @@ class Tracker:
             if untouched(self.setting, free):
                 self.parameter, self.current = following, free
                 return
-            self._accept(following, self._touched(following))
+            self._accept(following, self._touched(following, free.survey))
             return
         self._accept(following, self._followed(following))
 
-    def _touched(self, following: float) -> Verified:
+    def _touched(self, following: float, known: Survey | None = None) -> Verified:
         """The finger is straight now and the object would penetrate it: SLSQP finds the contacts."""
         start = self.current.equilibrium.state
         obstacle = self.setting.obstacle(self.path.frame(following))
         try:
-            found = find(self.setting, obstacle, start, self.order)
+            found = find(self.setting, obstacle, start, self.order, known)
         except NoEquilibriumError as error:
             if head_on(self.setting, self.path, Along(self.parameter, self.current.equilibrium), following):
                 raise NoEquilibriumError(STRUT) from error
