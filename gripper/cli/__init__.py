@@ -1,0 +1,40 @@
+"""The command line: one module a command. What is heavy is imported where it is needed."""
+
+from __future__ import annotations
+
+from importlib.metadata import version
+from typing import Annotated
+
+import typer
+
+from gripper.cli.plugins import plugins as _plugins
+from gripper.cli.run import run as _run
+
+app = typer.Typer(
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    no_args_is_help=True,
+    help="Bent shape and contact forces of compliant fingers.",
+)
+app.command("run")(_run)
+app.command("plugins")(_plugins)
+
+
+def main() -> None:
+    """Run the command line."""
+    app()
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"gripper {version('gripper')}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    shown: Annotated[
+        bool, typer.Option("--version", help="Show the version and exit.", callback=_version, is_eager=True)
+    ] = False,
+) -> None:
+    """Take the options that stand before a command."""

@@ -1,0 +1,44 @@
+"""What every command shares: exit statuses, one message and out, a progress bar on a terminal."""
+
+from __future__ import annotations
+
+import contextlib
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import NoReturn
+
+import typer
+
+BAD_INPUT, FAILED_POSE, INTERRUPTED = 2, 1, 130
+
+Progress = Callable[[int, int], None]
+
+
+def stop(message: str, status: int) -> NoReturn:
+    """Leave with one message on stderr."""
+    typer.echo(message, err=True)
+    raise typer.Exit(status)
+
+
+@contextlib.contextmanager
+def progress(what: str = "poses") -> Iterator[Progress | None]:
+    """Show a bar on a terminal; nothing in a pipe."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    import rich.progress
+    from rich.console import Console
+
+    with rich.progress.Progress(console=Console(stderr=True), transient=True) as bars:
+        bar = bars.add_task(what, total=None)
+        yield lambda done, total: bars.update(bar, completed=done, total=total)
+
+
+@contextlib.contextmanager
+def writing(folder: Path) -> Iterator[None]:
+    """Turn what the file system refuses into one message."""
+    try:
+        yield
+    except OSError as error:
+        stop(f"{folder}: must be a folder that can be written; got {error.strerror or error}", BAD_INPUT)

@@ -1,0 +1,74 @@
+"""``gripper run``: every pose of a scene, and its files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from gripper.cli.console import BAD_INPUT, FAILED_POSE, INTERRUPTED, Progress, progress, stop, writing
+
+if TYPE_CHECKING:
+    from gripper.result import Result
+    from gripper.scene import Scene
+
+
+def run(
+    scene_file: Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The scene.", show_default=False)],
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o", "--output", metavar="DIR", help="Folder to write to; out/ and the scene's name, if not given."
+        ),
+    ] = None,
+) -> None:
+    """Solve every pose of a scene; write result.json, curve.csv and snapshots.png.
+
+    Exit status: 0, or 1 when a pose has no answer (all other poses are written), 2 when the scene is bad or the
+    folder cannot be written (nothing is written), 130 when interrupted.
+    """
+    try:
+        _run(scene_file, output or Path("out", scene_file.stem))
+    except KeyboardInterrupt:
+        stop("interrupted: the run is not complete and was not written", INTERRUPTED)
+
+
+def _run(scene_file: Path, folder: Path) -> None:
+    from gripper.output import prepared, write
+    from gripper.scenefile import SceneFileError, read
+
+    try:
+        scene = read(scene_file)
+        with writing(folder), prepared(folder):
+            with progress() as report:
+                result = solved(scene, scene_file, report)
+            paths = write(folder, result)
+    except SceneFileError as error:
+        stop(str(error), BAD_INPUT)
+    typer.echo(str(result))
+    for path in paths:
+        typer.echo(path)
+    if result.failed:
+        raise typer.Exit(FAILED_POSE)
+
+
+def solved(scene: Scene, scene_file: Path, report: Progress | None) -> Result:
+    """Every pose of a scene read from a file.
+
+    Raises
+    ------
+    SceneFileError
+        Where a rule of the scene shows only along the finger or the motion.
+    """
+    from gripper.scenefile import SceneFileError
+    from gripper.solve import solve
+    from gripper.trace import trace
+
+    try:
+        return trace(scene, progress=report) if scene.motion else solve(scene)
+    except ValueError as error:
+        if " must " not in str(error):
+            raise
+        # a rule that shows only along the finger or the motion, as a thickness below 0 or a pose of log(-1)
+        raise SceneFileError(f"{scene_file}: {error}") from error
