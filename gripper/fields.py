@@ -57,7 +57,8 @@ Point = tuple[Finite, Finite]
 
 
 @functools.cache
-def _annotations(cls: Any) -> dict[str, Any]:
+def field_types(cls: Any) -> dict[str, Any]:
+    """Types of a dataclass's fields, with the rules that they carry, by field."""
     return get_type_hints(cls, include_extras=True)
 
 
@@ -98,8 +99,8 @@ def check_fields(instance: Any) -> None:
         The first field that breaks its rule, with the rule and the value got.
     """
     cls: Any = type(instance)
-    annotations = _annotations(cls)
+    types = field_types(cls)
     for field in dataclasses.fields(instance):
         value = _frozen(getattr(instance, field.name))
         object.__setattr__(instance, field.name, value)
-        _check(field.name, annotations[field.name], value)
+        _check(field.name, types[field.name], value)
