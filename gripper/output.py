@@ -1,4 +1,4 @@
-"""What a run leaves in its folder: result.json, curve.csv and snapshots.png."""
+"""What a command leaves in its folder; of a run: result.json, curve.csv and snapshots.png."""
 
 from __future__ import annotations
 
@@ -7,19 +7,20 @@ import io
 import json
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from gripper.result import Result
 
 FILES = ("result.json", "curve.csv", "snapshots.png")
+"""Of a run."""
 
 
 @contextlib.contextmanager
-def prepared(folder: Path) -> Iterator[None]:
-    """Make the folder and see that files can be written there, before anything is solved.
+def prepared(folder: Path, names: Iterable[str] = FILES) -> Iterator[None]:
+    """Make the folder and see that files of these names can be written there, before anything is solved.
 
     What it made is removed again when the run inside does not come to its end.
 
@@ -33,7 +34,7 @@ def prepared(folder: Path) -> Iterator[None]:
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
             pass
-        for name in FILES:
+        for name in names:
             if (folder / name).is_dir():
                 raise IsADirectoryError(f"a folder in the place of {name}")
         yield
@@ -45,7 +46,18 @@ def prepared(folder: Path) -> Iterator[None]:
 
 
 def write(folder: Path, result: Result) -> tuple[Path, ...]:
-    """Write the files, over those of an earlier run.
+    """Write the files of a run; as :func:`write_files`."""
+    table = as_json(result.to_dict())
+    return write_files(folder, dict(zip(FILES, (table, result.curve_csv().encode(), _picture(result)), strict=True)))
+
+
+def as_json(table: Mapping[str, Any]) -> bytes:
+    """Plain data as the text of a JSON file; never NaN."""
+    return (json.dumps(table, indent=1, ensure_ascii=False, allow_nan=False) + "\n").encode()
+
+
+def write_files(folder: Path, contents: Mapping[str, bytes]) -> tuple[Path, ...]:
+    """Write files by their names, over those of an earlier run.
 
     All are complete under other names before the first takes its place: a full disk leaves the earlier ones.
 
@@ -58,12 +70,10 @@ def write(folder: Path, result: Result) -> tuple[Path, ...]:
     OSError
         They cannot be written.
     """
-    table = json.dumps(result.to_dict(), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
-    contents = (table.encode(), result.curve_csv().encode(), _picture(result))
-    paths = tuple(folder / name for name in FILES)
-    drafts = [folder / f".{name}.{os.getpid()}" for name in FILES]
+    paths = tuple(folder / name for name in contents)
+    drafts = [folder / f".{name}.{os.getpid()}" for name in contents]
     try:
-        for draft, content in zip(drafts, contents, strict=True):
+        for draft, content in zip(drafts, contents.values(), strict=True):
             draft.write_bytes(content)
         for draft, path in zip(drafts, paths, strict=True):
             draft.replace(path)
