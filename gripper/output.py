@@ -7,7 +7,7 @@ import io
 import json
 import os
 import tempfile
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +16,15 @@ if TYPE_CHECKING:
 
 FILES = ("result.json", "curve.csv", "snapshots.png")
 """Of a run."""
+
+
+class NotWrittenError(OSError):
+    """Files cannot be written; those before the first of them are."""
+
+    def __init__(self, error: OSError, written: Iterable[Path], missing: Iterable[Path]) -> None:
+        there, not_there = (", ".join(path.name for path in paths) for paths in (written, missing))
+        outcome = f"{there} written, {not_there} not" if there else f"{not_there} not written"
+        super().__init__(error.errno, f"{error.strerror or error} ({outcome})")
 
 
 @contextlib.contextmanager
@@ -46,9 +55,9 @@ def prepared(folder: Path, names: Iterable[str] = FILES) -> Iterator[None]:
 
 
 def write(folder: Path, result: Result) -> tuple[Path, ...]:
-    """Write the files of a run; as :func:`write_files`."""
-    table = as_json(result.to_dict())
-    return write_files(folder, dict(zip(FILES, (table, result.curve_csv().encode(), _picture(result)), strict=True)))
+    """Write the files of a run, numbers first; as :func:`write_files`."""
+    parts = (lambda: as_json(result.to_dict()), lambda: result.curve_csv().encode(), lambda: _picture(result))
+    return write_files(folder, dict(zip(FILES, parts, strict=True)))
 
 
 def as_json(table: Mapping[str, Any]) -> bytes:
@@ -56,10 +65,19 @@ def as_json(table: Mapping[str, Any]) -> bytes:
     return (json.dumps(table, indent=1, ensure_ascii=False, allow_nan=False) + "\n").encode()
 
 
-def write_files(folder: Path, contents: Mapping[str, bytes]) -> tuple[Path, ...]:
-    """Write files by their names, over those of an earlier run.
+def write_files(folder: Path, contents: Mapping[str, bytes | Callable[[], bytes]]) -> tuple[Path, ...]:
+    """Write files by their names, over those of an earlier run; each whole or not at all.
 
-    All are complete under other names before the first takes its place: a full disk leaves the earlier ones.
+    All are complete under other names before the first takes its place. Where one cannot be written, or making its
+    bytes fails or is interrupted, those before it are kept, and no later file of an earlier run stays beside them;
+    where not even the first can be, the earlier run's files stay as they were.
+
+    Parameters
+    ----------
+    folder
+        Where.
+    contents
+        By name, the most needed first: bytes, or what makes them.
 
     Returns
     -------
@@ -67,20 +85,43 @@ def write_files(folder: Path, contents: Mapping[str, bytes]) -> tuple[Path, ...]
 
     Raises
     ------
-    OSError
-        They cannot be written.
+    NotWrittenError
+        Some cannot be written.
     """
-    paths = tuple(folder / name for name in contents)
-    drafts = [folder / f".{name}.{os.getpid()}" for name in contents]
+    drafts = {folder / name: folder / f".{name}.{os.getpid()}" for name in contents}
+    complete: list[Path] = []
     try:
-        for draft, content in zip(drafts, contents.values(), strict=True):
-            draft.write_bytes(content)
-        for draft, path in zip(drafts, paths, strict=True):
-            draft.replace(path)
+        for (path, draft), content in zip(drafts.items(), contents.values(), strict=True):
+            data = content if isinstance(content, bytes) else content()
+            try:
+                _write(draft, data)
+            except OSError as error:
+                raise NotWrittenError(error, complete, [path for path in drafts if path not in complete]) from error
+            complete.append(path)
     finally:
-        for draft in drafts:
+        _place(drafts, complete)
+    return tuple(drafts)
+
+
+def _write(draft: Path, data: bytes) -> None:
+    """Write bytes, and see them on the disk: some file systems say only then that there is no room."""
+    with draft.open("wb") as file:
+        file.write(data)
+        file.flush()
+        os.fsync(file.fileno())
+
+
+def _place(drafts: Mapping[Path, Path], complete: Collection[Path]) -> None:
+    """Give the complete drafts their names, over what an earlier run left; the others go."""
+    try:
+        for path in drafts.keys() if complete else ():
+            if path in complete:
+                drafts[path].replace(path)
+            else:
+                path.unlink(missing_ok=True)
+    finally:
+        for draft in drafts.values():
             draft.unlink(missing_ok=True)
-    return paths
 
 
 def _picture(result: Result) -> bytes:

@@ -13,7 +13,8 @@ from gripper.objects import Object
 from gripper.pose import Placed, placed
 
 Theory = Literal["auto", "bending", "shear"]
-MOST_POSES = 1_000_000
+MOST_POSES = 100_000
+"""Of a motion: a gigabyte of results."""
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,18 @@ from gripper.scene import Scene
 from gripper.solve import approach, model, numbers
 from gripper.tracker import Tracker
 
+INTERRUPTED = "interrupted"
+"""Reason of the poses that an interruption left without an answer."""
+
+
+class Interrupted(KeyboardInterrupt):
+    """A motion was interrupted; ``result`` holds the poses that were done, the others ``failed``: "interrupted"."""
+
+    def __init__(self, result: Result) -> None:
+        done = [pose for pose in result.poses if pose.reason != INTERRUPTED]
+        super().__init__(f"{len(done)} of {len(result.poses)} poses are done")
+        self.result = result
+
 
 def trace(scene: Scene, progress: Callable[[int, int], None] | None = None) -> Result:
     """Follow a motion and solve each of its poses.
@@ -38,6 +50,8 @@ def trace(scene: Scene, progress: Callable[[int, int], None] | None = None) -> R
     ------
     ValueError
         A scene without motion (solve it), a pose that is not finite, or a finger whose profile is not positive.
+    Interrupted
+        By Ctrl-C, once a pose is done: a KeyboardInterrupt that holds what was computed.
     """
     if scene.motion is None:
         raise ValueError("scene must have a motion; gripper.solve(scene) takes one pose")
@@ -47,20 +61,18 @@ def trace(scene: Scene, progress: Callable[[int, int], None] | None = None) -> R
     for value in values:
         kinematics.frame(value)
     follower = _Follower(scene, fixed, kinematics)
-    poses = []
-    for done, value in enumerate(values, start=1):
-        poses.append(follower.pose(value))
-        if progress is not None:
-            progress(done, len(values))
-    events = tuple(follower.events)
-    return Result(
-        title=scene.title,
-        scene=scene,
-        model=model(scene, fixed),
-        poses=tuple(poses),
-        events=events,
-        loop=follower.loop(),
-    )
+    poses: list[PoseResult] = []
+    try:
+        for done, value in enumerate(values, start=1):
+            poses.append(follower.pose(value))
+            if progress is not None:
+                progress(done, len(values))
+    except KeyboardInterrupt:
+        if not poses:
+            raise
+        missing = [PoseResult.failed(value, INTERRUPTED) for value in values[len(poses) :]]
+        raise Interrupted(follower.result([*poses, *missing])) from None
+    return follower.result(poses)
 
 
 class _Follower:
@@ -76,6 +88,17 @@ class _Follower:
         """Events so far, in the order in which they happened."""
         found = self.tracker.changes if self.tracker else []
         return [Event(parameter=c.parameter, kind=c.kind, detail=c.detail) for c in found]
+
+    def result(self, poses: list[PoseResult]) -> Result:
+        """The motion so far, with these poses."""
+        return Result(
+            title=self.scene.title,
+            scene=self.scene,
+            model=model(self.scene, self.fixed),
+            poses=tuple(poses),
+            events=tuple(self.events),
+            loop=self.loop(),
+        )
 
     def pose(self, value: float) -> PoseResult:
         """The result at the next value of the parameter."""

@@ -1,4 +1,5 @@
 import json
+import os
 import re
 import signal
 import subprocess
@@ -132,16 +133,66 @@ def test_a_scene_without_motion_is_one_pose_and_goes_to_out_by_its_name(tmp_path
     assert sorted(path.name for path in (tmp_path / "out" / "scene").iterdir()) == sorted(FILES)
 
 
-def test_an_interrupted_run_ends_with_status_130_one_line_and_no_file(tmp_path):
-    folder = tmp_path / "out"
-    command = [sys.executable, "-m", "gripper", "run", scene_file(tmp_path, short(GOOD, 1_000_000)), "-o", folder]
+CHEAP = """
+[material]
+youngs_modulus = "2.6 GPa"
+poisson_ratio = 0.35
+[finger]
+profile = "uniform"
+length = "57 mm"
+thickness = "3.2 mm"
+width = "9.5 mm"
+[object]
+surface = "circle"
+radius = "8.9 mm"
+[object.pose]
+x = "86 mm + q"
+y = "-40 mm"
+[motion]
+parameter = "q"
+from = 0
+to = "1 mm"
+poses = 10_000
+"""
+
+
+def interrupted(scene, folder, when):
+    """Run a scene, and interrupt it as Ctrl-C does, once ``when()`` returns."""
+    command = [sys.executable, "-m", "gripper", "run", scene, "-o", folder]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as run:
-        give_up = time.monotonic() + 30
-        while not folder.exists() and time.monotonic() < give_up:
-            time.sleep(0.05)
+        when()
         run.send_signal(signal.SIGINT)
-        stdout, stderr = run.communicate(timeout=30)
-    assert (run.returncode, stdout) == (130, "")
-    assert stderr.startswith("interrupted: ")
+        stdout, stderr = run.communicate(timeout=60)
+    assert run.returncode == 130
     assert len(stderr.splitlines()) == 1
+    return stdout, stderr
+
+
+def test_an_interrupted_run_keeps_the_poses_that_are_done(tmp_path):
+    folder = tmp_path / "out"
+
+    def well_under_way():
+        give_up = time.monotonic() + 60
+        while not folder.exists() and time.monotonic() < give_up:
+            time.sleep(0.02)
+        time.sleep(1)
+
+    stdout, stderr = interrupted(scene_file(tmp_path, CHEAP), folder, well_under_way)
+    message = re.match(r"interrupted: (\d+) of 10000 poses are done; the others are written as failed", stderr)
+    done = int(message[1])
+    assert done > 0
+    assert stdout.splitlines()[-3:] == [str(folder / name) for name in FILES]
+    poses = json.loads((folder / "result.json").read_text())["poses"]
+    assert [pose["reason"] for pose in poses] == [None] * done + ["interrupted"] * (10_000 - done)
+    assert len((folder / "curve.csv").read_text().splitlines()) == 1 + len(poses)
+
+
+def test_a_run_that_is_interrupted_while_it_reads_the_scene_leaves_nothing(tmp_path):
+    scene, folder = tmp_path / "scene.toml", tmp_path / "out"
+    os.mkfifo(scene)
+    writers = []
+    # a pipe opens for writing when the other side has opened it for reading
+    stdout, stderr = interrupted(scene, folder, lambda: writers.append(scene.open("wb")))
+    writers[0].close()
+    assert (stdout, stderr) == ("", f"interrupted: {folder} does not hold the whole run\n")
     assert not folder.exists()

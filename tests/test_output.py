@@ -1,3 +1,4 @@
+import contextlib
 import csv
 import json
 import resource
@@ -6,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from gripper.output import FILES, prepared, write
+from gripper.output import FILES, NotWrittenError, as_json, prepared, write, write_files
 from gripper.result import Model, PoseResult, Result, Shape
 from gripper.scenefile import read, resolved
 
@@ -48,17 +49,55 @@ def test_a_second_run_replaces_the_files_of_the_first(tmp_path):
     assert json.loads((tmp_path / "result.json").read_text())["poses"][0]["status"] == "free"
 
 
-def test_a_full_disk_leaves_the_earlier_files_as_they_were(tmp_path):
-    write(tmp_path, result(free()))
-    before = {path: path.read_bytes() for path in tmp_path.iterdir()}
+@contextlib.contextmanager
+def room_for(size):
+    """Let no file grow beyond this many bytes."""
     limits = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, limits[1]))  # as little as the picture does not fit into
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, limits[1]))
     try:
-        with pytest.raises(OSError):
-            write(tmp_path, result(free(), free()))
+        yield
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, limits)
-    assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
+def contents(folder):
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+def test_a_disk_that_holds_nothing_leaves_the_earlier_files_as_they_were(tmp_path):
+    write(tmp_path, result(free()))
+    before = contents(tmp_path)
+    with room_for(100), pytest.raises(NotWrittenError, match=r"result\.json, curve\.csv, snapshots\.png not written"):
+        write(tmp_path, result(free(), free()))
+    assert contents(tmp_path) == before
+
+
+def test_a_disk_without_room_for_the_picture_keeps_the_numbers_and_no_stale_picture(tmp_path):
+    write(tmp_path, result(free()))
+    both = result(free(), free())
+    with (
+        room_for(10_000),
+        pytest.raises(NotWrittenError, match=r"result\.json, curve\.csv written, snapshots\.png not"),
+    ):
+        write(tmp_path, both)
+    assert contents(tmp_path) == {"result.json": as_json(both.to_dict()), "curve.csv": both.curve_csv().encode()}
+
+
+@pytest.mark.parametrize("reason", [KeyboardInterrupt, MemoryError])
+def test_what_is_complete_is_kept_when_making_the_rest_ends_early(tmp_path, reason):
+    def picture():
+        raise reason
+
+    with pytest.raises(reason):
+        write_files(tmp_path, {"numbers": b"1", "picture": picture})
+    assert contents(tmp_path) == {"numbers": b"1"}
+
+
+def test_ten_thousand_poses_are_written(tmp_path):
+    many = result(*[free()] * 5_000, *[FAILED] * 5_000)
+    write(tmp_path, many)
+    assert len(json.loads((tmp_path / "result.json").read_text())["poses"]) == 10_000
+    assert len((tmp_path / "curve.csv").read_text().splitlines()) == 10_001
 
 
 @pytest.mark.parametrize("reason", [KeyboardInterrupt, OSError])

@@ -163,9 +163,9 @@ REFUSED = {
         MOVING, "motion", "step = 1"
     ): "motion.step: must be a known key: parameter, from, to, poses, values, back",
     with_key(MOVING, "motion", 'back = "yes"'): "motion.back: must be true or false; got 'yes'",
-    with_key(MOVING.replace("= 37", "= 600000"), "motion", "back = true"): "motion.poses: must be at most 500000",
-    MOVING.replace("= 37", "= 1000000000"): "motion.poses: must lie between 2 and 1000000; got 1000000000",
-    MOVING.replace("= 37", "= 1"): "motion.poses: must lie between 2 and 1000000; got 1",
+    with_key(MOVING.replace("= 37", "= 60000"), "motion", "back = true"): "motion.poses: must be at most 50000",
+    MOVING.replace("= 37", "= 1000000000"): "motion.poses: must lie between 2 and 100000; got 1000000000",
+    MOVING.replace("= 37", "= 1"): "motion.poses: must lie between 2 and 100000; got 1",
     MOVING.replace("= 37", "= 3.5"): "motion.poses: must be a whole number; got 3.5",
     MOVING.replace("= 37", "= true"): "motion.poses: must be a number",
     MOVING.replace('"50 mm"', "0.086"): "motion: from and to must be two different finite numbers",
@@ -174,7 +174,7 @@ REFUSED = {
     MOVING.replace('"q"', '"x"'): "motion.parameter: must be a name of letters",
     MOVING.replace('"q"', '"a b"'): "motion.parameter: must be a name of letters",
     MOVING.replace('"q"', "3"): "motion.parameter: must be a name of letters",
-    SCENE + '[motion]\nparameter = "q"\nvalues = []\n': "motion.values: must hold 1 to 1000000 poses; got 0",
+    SCENE + '[motion]\nparameter = "q"\nvalues = []\n': "motion.values: must hold 1 to 100000 poses; got 0",
     SCENE + '[motion]\nparameter = "q"\nvalues = 3\n': "motion.values: must be an array; got 3",
     SCENE
     + '[motion]\nparameter = "q"\nvalues = [1, "two"]\n': "motion.values[1]: must hold known names only, not 'two'",

@@ -11,6 +11,7 @@ import pytest
 import sympy
 
 import gripper as gr
+from gripper.trace import Interrupted
 from gripper_plugins.objects.circle import Circle
 from gripper_plugins.objects.ellipse import Ellipse
 from gripper_plugins.objects.polygon import Polygon
@@ -256,3 +257,18 @@ def test_a_pose_that_is_not_finite_is_refused_before_anything_is_solved() -> Non
     scene = gr.Scene(finger=unit_finger(), object=ROUND.at(x=0.6, y=-1 / q), motion=gr.Motion("q", (1.0, 0.5, 0.0)))
     with pytest.raises(ValueError, match="poses must be finite at every pose"):
         gr.trace(scene)
+
+
+def test_an_interrupted_motion_holds_the_poses_that_were_done() -> None:
+    def third(done: int, total: int) -> None:
+        if done == 3:
+            raise KeyboardInterrupt
+
+    scene = passing(0.9, 0.8, 0.7, 0.6, 0.5)
+    whole = gr.trace(scene)
+    with pytest.raises(Interrupted, match="3 of 5 poses are done") as interruption:
+        gr.trace(scene, progress=third)
+    result = interruption.value.result
+    assert [pose.parameter for pose in result.poses] == [pose.parameter for pose in whole.poses]
+    assert [pose.force_on_object for pose in result.poses[:3]] == [pose.force_on_object for pose in whole.poses[:3]]
+    assert {(pose.status, pose.reason) for pose in result.poses[3:]} == {("failed", "interrupted")}

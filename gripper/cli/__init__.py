@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 from importlib.metadata import version
 from typing import Annotated
 
@@ -21,7 +22,8 @@ app.command("plugins")(_plugins)
 
 
 def main() -> None:
-    """Run the command line."""
+    """Run the command line; a batch system's SIGTERM is a Ctrl-C, so that what was computed is kept."""
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     app()
 
 

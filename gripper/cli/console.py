@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import NoReturn
 
@@ -42,3 +42,17 @@ def writing(folder: Path) -> Iterator[None]:
         yield
     except OSError as error:
         stop(f"{folder}: must be a folder that can be written; got {error.strerror or error}", BAD_INPUT)
+
+
+@contextlib.contextmanager
+def output_folder(folder: Path, names: Iterable[str] | None = None) -> Iterator[None]:
+    """Prepare a folder for files of these names (a run's by default); what it refuses is one message.
+
+    What the body raises passes: an OSError of a plugin is none of the folder's.
+    """
+    from gripper.output import FILES, prepared
+
+    with contextlib.ExitStack() as inside:
+        with writing(folder):
+            inside.enter_context(prepared(folder, FILES if names is None else names))
+        yield

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from gripper.cli.console import BAD_INPUT, FAILED_POSE, INTERRUPTED, Progress, progress, stop, writing
+from gripper.cli.console import BAD_INPUT, FAILED_POSE, INTERRUPTED, Progress, output_folder, progress, stop, writing
 
 if TYPE_CHECKING:
     from gripper.result import Result
@@ -26,31 +26,47 @@ def run(
     """Solve every pose of a scene; write result.json, curve.csv and snapshots.png.
 
     Exit status: 0, or 1 when a pose has no answer (all other poses are written), 2 when the scene is bad or the
-    folder cannot be written (nothing is written), 130 when interrupted.
+    folder cannot be written (nothing is written), 130 when interrupted (the poses done until then are written).
     """
+    folder = output or Path("out", scene_file.stem)
     try:
-        _run(scene_file, output or Path("out", scene_file.stem))
+        _run(scene_file, folder)
     except KeyboardInterrupt:
-        stop("interrupted: the run is not complete and was not written", INTERRUPTED)
+        stop(f"interrupted: {folder} does not hold the whole run", INTERRUPTED)
 
 
 def _run(scene_file: Path, folder: Path) -> None:
-    from gripper.output import prepared, write
+    from gripper.output import write
     from gripper.scenefile import SceneFileError, read
 
     try:
         scene = read(scene_file)
-        with writing(folder), prepared(folder):
-            with progress() as report:
-                result = solved(scene, scene_file, report)
-            paths = write(folder, result)
+        with output_folder(folder):
+            result, interrupted = _as_far_as_it_goes(scene, scene_file)
+            try:
+                with writing(folder):
+                    paths = write(folder, result)
+            finally:  # also where the disk is full
+                typer.echo(str(result))
     except SceneFileError as error:
         stop(str(error), BAD_INPUT)
-    typer.echo(str(result))
     for path in paths:
         typer.echo(path)
+    if interrupted:
+        stop(f"interrupted: {interrupted}; the others are written as failed", INTERRUPTED)
     if result.failed:
         raise typer.Exit(FAILED_POSE)
+
+
+def _as_far_as_it_goes(scene: Scene, scene_file: Path) -> tuple[Result, str]:
+    """The result, and where it was interrupted."""
+    from gripper.trace import Interrupted
+
+    try:
+        with progress() as report:
+            return solved(scene, scene_file, report), ""
+    except Interrupted as interruption:
+        return interruption.result, str(interruption)
 
 
 def solved(scene: Scene, scene_file: Path, report: Progress | None) -> Result:
