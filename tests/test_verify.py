@@ -12,18 +12,19 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from typer.testing import CliRunner
 
 import gripper as gr
 import gripper.verify
+from gripper.cli import app
 from gripper.fingers import S
 from gripper.verify import verify
 from gripper.verify.body import Body, positive, solve
-from gripper.verify.compare import _way
 from gripper.verify.elements import Elements
 from gripper.verify.follow import Follower
 from gripper.verify.material import LAWS, InvertedError, Law
 from gripper.verify.mesh import build
-from gripper.verify.motion import Frame, relative
+from gripper.verify.motion import Frame, passing, relative
 from gripper.verify.run import Model, assembled, run
 from gripper.verify.touch import History
 from gripper_plugins.fingers.uniform import Uniform
@@ -147,8 +148,14 @@ def test_forces_are_the_slope_of_the_energy_and_the_tangent_theirs(law):
 
 def test_inverted_elements_are_refused():
     mesh, elements = tapered()
-    with pytest.raises(InvertedError):
-        elements.forces(mesh.nodes * [1, -1])
+    for work in (elements.forces, elements.largest_strain):
+        with pytest.raises(InvertedError):
+            work(mesh.nodes * [1, -1])
+    folded = mesh.nodes.copy()
+    folded[mesh.tip - mesh.across // 2] += [-0.0128, 0]  # a corner of the finger, seen at the nodes alone
+    elements.forces(folded)
+    with pytest.raises(InvertedError, match="at a node"):
+        elements.largest_strain(folded)
 
 
 @pytest.mark.parametrize(
@@ -205,7 +212,9 @@ CASES = {
 @pytest.mark.parametrize("case", CASES)
 def test_the_tangent_is_the_slope_of_the_residual(case, friction, slip, jaw):
     finger, body, frame = CASES[case]
-    setting, _ = assembled(gr.Scene(finger=finger, object=body), Model(elements=(12, 2), jaw=jaw, friction=friction))
+    rough = gr.Friction(coefficient=friction)
+    scene = gr.Scene(finger=finger, object=body, motion=gr.Motion("q", (0.0,)), friction=rough)
+    setting, _ = assembled(scene, Model(elements=(12, 2), jaw=jaw))
     system, at = setting.system, setting.system.body.start
     before = Frame(frame.x - slip, frame.y, frame.angle)
     history = History(system.body.positions(at), before, np.zeros(system.contact.count))
@@ -291,7 +300,7 @@ def test_the_force_is_the_slope_of_the_energy(axis):
     for side in (-step, step):
         scene = unit_scene(x=0.7 + side * (axis == 0), y=side * (axis == 1))
         setting, _ = assembled(scene, Model(**COARSE))
-        solution = Follower(setting, relative(scene), 0.0, (0.0, 1.0)).advance(0.0)
+        solution = Follower(setting, relative(scene), 0.0, 0.0, (0.0, 1.0)).advance(0.0)
         strain = setting.system.elements.forces(solution.positions)[0]
         energies.append(strain + float(solution.touch.energy.sum()))
     slope = (energies[1] - energies[0]) / (2 * step)
@@ -305,28 +314,25 @@ def test_a_sliding_contact_pulls_with_mu_times_its_normal_force(mu):
         finger=scenes.unit_finger(),
         object=flat.at(x=0.9 - scenes.Q, y=0.1 - scenes.Q),
         motion=gr.Motion("q", (0.2, 0.0)),
+        friction=gr.Friction(coefficient=mu),
     )
-    pose = follow(scene, (0.2, 0.0), elements=(16, 2), friction=mu)[-1]
+    pose = follow(scene, (0.2, 0.0), elements=(16, 2))[-1]
     fx, fy = pose.force
     normal = sum(contact.normal_force for contact in pose.contacts)
     assert math.hypot(fx, fy) == pytest.approx(normal * math.hypot(1, mu), rel=1e-6)
 
 
 def test_a_jaw_may_have_friction_of_its_own():
-    scene = scenes.micro_assembly(0.08, 0.072)
-    rough, smooth, finger_only = (
-        follow(scene, (0.08, 0.072), elements=(20, 2), friction=mu)[-1].force for mu in (0.3, 0.0, {"finger": 0.3})
-    )
-    assert finger_only == pytest.approx(smooth, rel=1e-6)
+    values = (0.08, 0.072)
+
+    def force(mu):
+        scene = scenes.micro_assembly(*values, friction=gr.Friction(coefficient=mu))
+        return follow(scene, values, elements=(20, 2))[-1].force
+
+    rough, smooth = force(0.3), force(0.0)
+    assert force({"finger": 0.3, "jaw": 0.0}) == pytest.approx(smooth, rel=1e-6)
+    assert force({"finger": 0.1, "jaw": 0.3}) == pytest.approx(rough, rel=1e-6)
     assert math.dist(rough, smooth) > 0.3 * math.hypot(*smooth)
-
-
-def test_the_scenes_own_friction_is_taken_where_none_is_given():
-    values, mu = (0.08, 0.072), {"finger": 0.1, "jaw": 0.3}
-    rough = scenes.micro_assembly(*values, friction=gr.Friction(coefficient=mu))
-    own = follow(rough, values, elements=(20, 2))[-1].force
-    assert own == follow(scenes.micro_assembly(*values), values, elements=(20, 2), friction=mu)[-1].force
-    assert math.dist(own, follow(rough, values, elements=(20, 2), friction=0.0)[-1].force) > 0.5
 
 
 @pytest.mark.parametrize("approach", [(0.0, 1.0), (0.0, -1.0)])
@@ -374,27 +380,28 @@ def assert_as_reference(found, rows, within, strain=5e-3):
         assert pose.max_strain == pytest.approx(row["max_strain"], rel=strain, abs=1e-5)
 
 
-def rotating(name, start, poses=7, **model):
+def rotating(name, start, poses=7, mu=0.0, **model):
     rows = FEM["rotating_finger"][name][:poses]
-    values = [start, *(row["x_e"] for row in rows)]
-    return follow(scenes.rotating_finger(*values), values, elements=(54, 6), **model)[1:], rows
+    values = [*start, *(row["x_e"] for row in rows)]
+    scene = scenes.rotating_finger(*values, friction=gr.Friction(coefficient=mu))
+    return follow(scene, values, elements=(54, 6), **model)[len(start) :], rows
 
 
 @EVERY_LAW
 def test_every_law_reproduces_its_reference_of_the_rotating_finger(law):
     name = {"svk": "svk, mu = 0, 5184 elements"}.get(law, f"{law}, mu = 0, 1296 elements")
-    assert_as_reference(*rotating(name, 0.127, 3 if law == "hencky" else 7, law=law), within=0.003)
+    assert_as_reference(*rotating(name, (0.127,), 3 if law == "hencky" else 7, law=law), within=0.003)
 
 
 @pytest.mark.parametrize(
     ("name", "start", "law", "poses"),
     [
-        ("svk, mu = 0.2, x_e falling, 5184 elements", 0.127, "svk", 3),
-        ("biot, mu = 0.2, x_e rising, 1296 elements", -0.12, "biot", 7),  # the first pose slides already
+        ("svk, mu = 0.2, x_e falling, 5184 elements", (0.127,), "svk", 3),
+        ("biot, mu = 0.2, x_e rising, 1296 elements", (), "biot", 6),  # the first pose slides as the motion does
     ],
 )
 def test_friction_reproduces_its_reference_of_the_rotating_finger(name, start, law, poses):
-    assert_as_reference(*rotating(name, start, poses, law=law, friction=0.2), within=0.005)
+    assert_as_reference(*rotating(name, start, poses, law=law, mu=0.2), within=0.005)
 
 
 @pytest.mark.parametrize(
@@ -408,7 +415,8 @@ def test_friction_reproduces_its_reference_of_the_rotating_finger(name, start, l
 def test_the_micro_assembly_finger_reproduces_its_reference(name, jaw, mu, within):
     rows = [row for row in FEM["micro_assembly"][name] if row["force_on_object"][1]]
     values = [0.08, *(row["x_o"] for row in rows)]
-    free, *found = follow(scenes.micro_assembly(*values), values, elements=(54, 4), jaw=jaw, friction=mu)
+    scene = scenes.micro_assembly(*values, friction=gr.Friction(coefficient=mu))
+    free, *found = follow(scene, values, elements=(54, 4), jaw=jaw)
     assert free.status == "free"
     assert_as_reference(found, rows, within, strain=2e-2)
 
@@ -450,7 +458,7 @@ def test_a_profile_must_be_positive():
 
 @lru_cache
 def report():
-    return verify(scenes.micro_assembly(0.086, 0.062), (0.08, 0.07), elements=(20, 2), law="biot", laws=True)
+    return verify(scenes.micro_assembly(0.086, 0.062), (0.08, 0.07), elements=(20, 2), law="biot")
 
 
 def test_the_report_compares_pose_by_pose():
@@ -478,30 +486,27 @@ def test_the_report_is_a_table_a_csv_and_json():
 def test_a_scene_of_one_pose_is_verified_beside_a_result_that_is_there():
     scene, calls = unit_scene(), []
     result = gr.solve(scene)
-    single = verify(scene, elements=(60, 4), law="biot", result=result, progress=lambda *n: calls.append(n))
+    single = verify(scene, elements=(60, 4), law="biot", laws=False, result=result, progress=lambda *n: calls.append(n))
     assert single.poses[0].gripper.force == result.force_on_object
     assert single.largest_difference < 5e-3
     assert calls == [(1, 2), (2, 2)]
 
 
-def test_forces_with_and_without_friction_are_not_compared():
-    scene = unit_scene()
-    rough = verify(scene, elements=(16, 2), friction=0.2, result=gr.solve(scene))
-    assert rough.largest_difference is None
-    assert "not compared" in str(rough)
-
-
 def test_poses_may_be_chosen_along_a_motion_that_turns():
     back = gr.Motion("q", (0.0, 1.0, 2.0, 1.0, 0.0))
-    assert _way(back, (0.5, 1.5, 0.5)) == (
-        [0.0, 0.5, 1.0, 1.5, 2.0, 1.0, 0.5],
-        [False, True, False, True] + [False] * 2 + [True],
-    )
-    assert _way(back, None) == ([0.0, 1.0, 2.0, 1.0, 0.0], [True] * 5)
-    with pytest.raises(
-        ValueError, match=r"parameters must be values that the motion passes, in its order; got \[3\.0\]"
-    ):
-        _way(back, (0.5, 3.0))
+    assert passing(back, (0.5, 1.5, 0.5)) == ([0.0, 0.5, 1.5, 2.0, 0.5], [False, True, True, False, True])
+    assert passing(back, (2.0,)) == ([0.0, 2.0], [False, True])
+    assert passing(back, None) == ([0.0, 1.0, 2.0, 1.0, 0.0], [True] * 5)
+    with pytest.raises(ValueError, match=r"values that the motion passes, 0 to 2 to 0, in its order; got 3\.0"):
+        passing(back, (0.5, 3.0))
+
+
+def test_poses_of_a_motion_that_goes_one_way_may_be_given_in_any_order():
+    falling = gr.Motion("q", (2.0, 1.0, 0.0))
+    assert passing(falling, (0.5, 2.0, 1.5)) == ([2.0, 1.5, 0.5], [True, True, True])
+    for poses, words in (((), "at least one value; got none"), ((2.5,), r"passes, 2 to 0; got 2\.5")):
+        with pytest.raises(ValueError, match=words):
+            passing(falling, poses)
 
 
 @pytest.mark.parametrize(
@@ -510,15 +515,73 @@ def test_poses_may_be_chosen_along_a_motion_that_turns():
         ({"elements": (1, 2)}, ValueError, "elements must be two whole numbers, at least 2"),
         ({"law": "rubber"}, LookupError, "unknown law 'rubber'; known: svk, biot, hencky"),
         ({"jaw": "none"}, LookupError, "unknown jaw 'none'; known: rigid, elastic"),
-        ({"friction": -0.1}, ValueError, "friction must be a coefficient, at least 0"),
-        ({"friction": {"hook": 0.1}}, LookupError, "unknown part 'hook' of friction; known: finger, jaw"),
-        ({"parameters": (1.0,)}, ValueError, "parameters must be left out for a scene without motion"),
+        ({"poses": (1.0,)}, ValueError, r"poses must be left out for a scene without motion; got \[1\.0\]"),
     ],
 )
 def test_wrong_arguments_are_named(arguments, error, words):
     scene = unit_scene(y=-0.5)
     with pytest.raises(error, match=words):
         verify(scene, result=gr.solve(scene), **arguments)
+
+
+# The command
+
+
+HOOK = (Path(__file__).parent.parent / "gallery" / "micro_assembly.toml").read_text()
+QUICK = ("--elements", "20x2", "--no-laws")
+
+
+def command(folder, text, *arguments):
+    path = folder / "scene.toml"
+    path.write_text(text)
+    return CliRunner().invoke(app, ["verify", str(path), "-o", str(folder / "out"), *arguments])
+
+
+def test_the_command_prints_its_table_on_one_screen_and_writes_it_three_times(tmp_path):
+    outcome = command(tmp_path, HOOK, *QUICK, "--poses", "64 mm, 0.07", "--jaw", "elastic")
+    assert (outcome.exit_code, outcome.stderr) == (0, "")
+    lines = outcome.stdout.splitlines()
+    assert len(lines) < 24 and all(len(line) <= 120 for line in lines)
+    paths = [tmp_path / "out" / name for name in ("verify.json", "verify.csv", "verify.md")]
+    assert lines[-3:] == [str(path) for path in paths]
+    data, rows, prose = json.loads(paths[0].read_text()), paths[1].read_text().splitlines(), paths[2].read_text()
+    assert data["model"]["jaw"] == "elastic" and data["largest_difference"] < 0.01
+    assert [pose["parameter"] for pose in data["poses"]] == [0.07, 0.064]  # in the motion's order
+    assert [row.split(",")[0] for row in rows] == ["x_o", "0.07", "0.064"]
+    assert prose.count("| 0.064 | ") == 2 and lines[0] in prose
+
+
+def test_the_command_chooses_poses_in_contact(tmp_path):
+    few = HOOK.replace("poses = 37", "poses = 3").replace("from = 0.086", "from = 0.08").replace("0.050", "0.07")
+    outcome = command(tmp_path, few, *QUICK)
+    chosen = [pose["parameter"] for pose in json.loads((tmp_path / "out" / "verify.json").read_text())["poses"]]
+    assert outcome.exit_code == 0
+    assert chosen == pytest.approx([0.075, 0.07])
+
+
+def test_a_pose_without_an_answer_ends_with_status_1_and_says_why(tmp_path):
+    around = HOOK.replace('radius = "8.9 mm"', "radius = 5").replace('"x_o"', "0").split("[motion]")[0]
+    outcome = command(tmp_path, around, *QUICK)
+    assert outcome.exit_code == 1
+    assert "pose 0: elements: the object holds the finger" in outcome.stdout
+    pose = json.loads((tmp_path / "out" / "verify.json").read_text())["poses"][0]
+    assert (pose["elements"]["force"], pose["force_difference"]) == (None, None)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("--poses", "1"), "scene.toml: poses must be values that the motion passes, 0.086 to 0.05; got 1.0"),
+        (("--poses", "0.07, x"), "poses must be numbers with commas between, or all: expression must hold known names"),
+        (("--elements", "9"), "elements must be two whole numbers, as 54x6; got '9'"),
+        (("--elements", "1x1", "--poses", "0.07"), "elements must be two whole numbers, at least 2; got (1, 1)"),
+    ],
+)
+def test_a_bad_option_ends_with_status_2_one_line_and_nothing_written(tmp_path, arguments, words):
+    outcome = command(tmp_path, HOOK, *arguments)
+    assert (outcome.exit_code, outcome.stdout) == (2, "")
+    assert words in outcome.stderr and len(outcome.stderr.splitlines()) == 1
+    assert not (tmp_path / "out").exists()
 
 
 # Independence

@@ -10,6 +10,7 @@ import typer
 
 from gripper.cli.plugins import plugins as _plugins
 from gripper.cli.run import run as _run
+from gripper.cli.verify import verify as _verify
 
 app = typer.Typer(
     add_completion=False,
@@ -18,6 +19,7 @@ app = typer.Typer(
     help="Bent shape and contact forces of compliant fingers.",
 )
 app.command("run")(_run)
+app.command("verify")(_verify)
 app.command("plugins")(_plugins)
 
 

@@ -64,6 +64,15 @@ class Contact:
         places = replace(self.places, stiffness=share * self.places.stiffness)
         return replace(self, places=places, corners=self.corners.softened(share))
 
+    def rubbed(self, share: float) -> Contact:
+        """The same with a share of its friction."""
+        return replace(self, friction=share * self.friction)
+
+    def sliding(self, touch: Touch) -> Contact:
+        """The same, prescribed to slip everywhere as these forces do."""
+        by_edge = np.bincount(touch.edge, touch.friction, len(self.edges))
+        return replace(self, sense=np.sign(np.where(by_edge == 0, touch.friction.sum(), by_edge)))
+
     def gap(self, positions: Array, frame: Frame) -> float:
         """Smallest g over |grad g| of all places, in m; negative: depth."""
         points = frame.local(self.places.at(positions))

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gripper.objects import Array
-from gripper.verify.material import Law, squared_lengths
+from gripper.verify.material import InvertedError, Law, squared_lengths
 from gripper.verify.mesh import Mesh
 
 
@@ -98,10 +98,19 @@ class Elements:
         return np.stack([np.bincount(at, local[:, :, i].ravel(), self.count) for i in range(2)], axis=1)
 
     def largest_strain(self, positions: Array) -> float:
-        """Largest abs(principal stretch - 1) at the elements' nodes, away from the corners of clamped ends."""
-        deformation = self._deformation(positions, self._at_nodes)[self._gauged]
+        """Largest abs(principal stretch - 1) at the elements' nodes, away from the corners of clamped ends.
+
+        Raises
+        ------
+        InvertedError
+            Where an element is inverted at a node.
+        """
+        deformation = self._deformation(positions, self._at_nodes)
         a, b = (np.sqrt(v) for v in squared_lengths(deformation.reshape(-1, 4)))
-        return float(np.max(np.maximum(np.abs((a + b) / 2 - 1), np.abs((a - b) / 2 - 1))))
+        if not np.all(a > b):
+            raise InvertedError("an element is inverted at a node")
+        strain = np.maximum(np.abs((a + b) / 2 - 1), np.abs((a - b) / 2 - 1))
+        return float(strain.reshape(deformation.shape[:2])[self._gauged].max())
 
 
 def _gauged(mesh: Mesh) -> NDArray[np.bool_]:

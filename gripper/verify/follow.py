@@ -22,6 +22,7 @@ DEEPEST = 1e-3  # of the thickness: a deeper contact is no answer
 THINNEST = 1e-3  # of L: steps no shorter than this for a thin object's sake
 JUMP = 1e-2  # of L: a larger motion of a node is a snap
 _FURTHEST = 20.0  # of L: beyond this no retreat is tried
+_AHEAD = 1e-3  # of L: how far the motion is looked ahead for the sense of its first slip
 _DESCENTS = 200
 _LOOSE = 1e-7  # of E b: drag that an equilibrium does not need any more
 
@@ -64,8 +65,11 @@ class Follower:
         The object's frames.
     start
         Parameter at which to begin.
+    towards
+        Parameter to which the motion goes from there; the start itself without a motion.
     approach
-        Direction along which the object comes there where it does not start free.
+        Direction along which the object comes there where it does not start free. With a motion this way is no part of
+        it and leaves no friction behind: the first pose slides as the motion does.
 
     Raises
     ------
@@ -73,24 +77,44 @@ class Follower:
         No retreat frees the finger, or the approach could not be followed.
     """
 
-    def __init__(self, setting: Setting, path: Path, start: float, approach: tuple[float, float]) -> None:
+    def __init__(
+        self, setting: Setting, path: Path, start: float, towards: float, approach: tuple[float, float]
+    ) -> None:
         self.setting, self.system = setting, setting.system
         self.snapped = False
         self.iterations, self.depth = 0, 0.0
         self._bound = np.inf
-        self._touched = False
-        unknowns = self.system.body.start
-        self._unknowns, positions = unknowns, self.system.body.positions(unknowns)
-        self._rate = np.zeros_like(unknowns)
         unit = approach[0] / math.hypot(*approach), approach[1] / math.hypot(*approach)
+        unknowns = self.system.body.start
+        positions = self.system.body.positions(unknowns)
         back = self._retreat(path(start), positions, unit)
-        self.history = History(positions, path(start).shifted(unit, -back), np.zeros(self.system.contact.count))
+        frame = path(start).shifted(unit, -back)
+        self.history = History(positions, frame, np.zeros(self.system.contact.count))
+        self._solution = Solution(unknowns, positions, self.system.contact.touch(positions, frame, self.history), 0)
+        self._rate = np.zeros_like(unknowns)
         if back:
+            slides = self.system.contact.rough and towards != start
+            if slides:
+                self.system = replace(self.system, contact=self.system.contact.rubbed(0.0))
             self._path: Path = lambda distance: path(start).shifted(unit, distance)
             self._at = -back
             self.advance(0.0)
+            if slides:
+                self._slide(path, start, towards)
         self._path, self._at, self.snapped = path, start, False
         self._rate = np.zeros_like(unknowns)
+
+    def _slide(self, path: Path, start: float, towards: float) -> None:
+        """Rub as the motion will, from an equilibrium without friction on."""
+        contact, frame = self.setting.system.contact, path(start)
+        way = travel(frame, path(towards), self.setting.reach)
+        ahead = path(start + (towards - start) * min(1.0, _AHEAD * self.setting.length / way))
+        smooth = self.system.solve(self._solution.unknowns, ahead, self.history)
+        contact = contact.sliding(contact.touch(smooth.positions, ahead, self.history))
+        for share in (0.25, 0.5, 0.75, 1.0):
+            self.system = replace(self.system, contact=contact.rubbed(share))
+            self._accept(start, frame, self.system.solve(self._solution.unknowns, frame, self.history))
+        self.system = self.setting.system
 
     def _retreat(self, frame: Frame, positions: Array, unit: tuple[float, float]) -> float:
         """How far back along its approach the object leaves the straight finger free, in m."""
@@ -117,23 +141,21 @@ class Follower:
         NoSolutionError
             No equilibrium could be followed that far; the follower stays at the last one.
         """
-        self.iterations, self.snapped = 0, False
-        while True:
+        self.snapped = False
+        while self._at != target:
             following, distance = self._within(target)
             try:
-                solution = self._step(following)
+                self._step(following)
                 self._bound = max(self._bound, GROWTH * distance)
             except ArithmeticError as error:
                 self._bound = distance / 2
                 if self._bound < SHORTEST * self.setting.length:
-                    solution = self._snap(following, error)
+                    self._snap(following, error)
                     self._bound = 1e-3 * self.setting.length
-            if self._at == target:
-                break
-        self.depth = max(0.0, -self.system.contact.gap(solution.positions, self.history.frame))
+        self.depth = max(0.0, -self.system.contact.gap(self.history.positions, self.history.frame))
         if self.depth > DEEPEST * self.setting.thickness:
             raise NoSolutionError(f"the object is {self.depth:.2g} m inside the finger: finer elements may resolve it")
-        return solution
+        return self._solution
 
     def _within(self, target: float) -> tuple[float, float]:
         """The next parameter, and how far the object moves until there, in m."""
@@ -149,11 +171,11 @@ class Follower:
         marks = [self._path(self._at + (target - self._at) * i / 8) for i in range(9)]
         return sum(travel(a, b, self.setting.reach) for a, b in pairwise(marks))
 
-    def _step(self, following: float) -> Solution:
+    def _step(self, following: float) -> None:
         """Go on along the last step's direction, and correct."""
         frame = self._path(following)
         distance = travel(self.history.frame, frame, self.setting.reach)
-        start = self._unknowns + self._rate * distance
+        start = self._solution.unknowns + self._rate * distance
         solution = self.system.solve(start, frame, self.history)
         if self._rate.any():
             expected = self.system.body.positions(start)
@@ -162,31 +184,29 @@ class Follower:
                 raise NoSolutionError("the step departs from its prediction")
         if solution.touch.at.size and not self.system.stable(solution):
             raise NoSolutionError("the equilibrium is not stable")
-        if distance and self._touched:
-            self._rate = (solution.unknowns - self._unknowns) / distance
+        if distance and self._solution.touch.at.size:
+            self._rate = (solution.unknowns - self._solution.unknowns) / distance
         self._accept(following, frame, solution)
-        return solution
 
     def _accept(self, parameter: float, frame: Frame, solution: Solution) -> None:
         friction = np.zeros(self.system.contact.count)
         friction[solution.touch.at] = solution.touch.friction
-        self._touched = solution.touch.at.size > 0
-        if not self._touched:
+        if not solution.touch.at.size:
             self._rate = np.zeros_like(self._rate)
         self.history = History(solution.positions, frame, friction)
-        self._unknowns, self._at = solution.unknowns, parameter
+        self._solution, self._at = solution, parameter
         self.iterations += solution.iterations
 
-    def _snap(self, following: float, error: ArithmeticError) -> Solution:
+    def _snap(self, following: float, error: ArithmeticError) -> None:
         """Let the finger go, heavily damped, from an equilibrium that has ended to the next one."""
         frame, body, L = self._path(following), self.system.body, self.setting.length
         scale = np.full(body.size, self.setting.stiffness)
         scale[body.size - body.moves_jaw :] *= L**2
         drag, floor, before = 1e-2, 0.0, self.history.positions
         for _ in range(_DESCENTS):
-            damped = replace(self.system, drag=drag * scale, anchor=self._unknowns)
+            damped = replace(self.system, drag=drag * scale, anchor=self._solution.unknowns)
             try:
-                solution = damped.solve(self._unknowns, frame, self.history)
+                solution = damped.solve(self._solution.unknowns, frame, self.history)
             except ArithmeticError:
                 drag, floor = 8 * drag, 2 * drag
                 continue
@@ -195,9 +215,9 @@ class Follower:
             drag, floor = max(drag / 3, floor), floor / 1.5
             if drag < _LOOSE and moved < JUMP * L:
                 self._rate = np.zeros_like(self._rate)
-                solution = self._step(following)
-                self.snapped |= bool(np.max(np.abs(solution.positions - before)) > JUMP * L)
-                return solution
+                self._step(following)
+                self.snapped |= bool(np.max(np.abs(self.history.positions - before)) > JUMP * L)
+                return
         raise NoSolutionError(f"no equilibrium to follow, and none found by descent: {error}")
 
 

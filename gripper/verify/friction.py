@@ -1,76 +1,42 @@
-"""Coulomb's coefficient on each edge of the outline: the scene's, or one given in its place."""
+"""Coulomb's coefficient on each edge of the outline, as the scene says."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
-
 import numpy as np
 
-from gripper.friction import Friction as SceneFriction
+from gripper.friction import Friction
 from gripper.objects import Array
 from gripper.pose import placed
 from gripper.scene import Scene
 from gripper.verify.mesh import Mesh
 from gripper.verify.outline import JAW
 
-Friction = float | Mapping[str, float]
-"""A coefficient, or one for "finger" and one for "jaw"."""
 
-
-def check(friction: Friction) -> None:
-    """Refuse what is no coefficient.
-
-    Raises
-    ------
-    LookupError
-        An unknown part of the finger.
-    ValueError
-        A coefficient below 0.
-    """
-    for name, value in (friction if isinstance(friction, Mapping) else {"finger": friction}).items():
-        if name not in ("finger", "jaw"):
-            raise LookupError(f"unknown part {name!r} of friction; known: finger, jaw")
-        if not (math.isfinite(value) and value >= 0):
-            raise ValueError(f"friction must be a coefficient, at least 0; got {value!r}")
-
-
-def of_scene(scene: Scene) -> SceneFriction | None:
-    """The scene's own friction, where it has any."""
+def of_scene(scene: Scene) -> Friction | None:
+    """The scene's friction, where it has any."""
     own = scene.friction
     return None if own is None or own.absent else own
 
 
-def is_rough(scene: Scene, friction: Friction | None) -> bool:
-    """Whether there is friction at all."""
+def coefficients(scene: Scene, mesh: Mesh) -> Array:
+    """Coefficient on each edge (k,)."""
+    edges, friction = mesh.outline.edges, of_scene(scene)
     if friction is None:
-        return of_scene(scene) is not None
-    return any(mu > 0 for mu in (friction.values() if isinstance(friction, Mapping) else [friction]))
+        return np.zeros(len(edges))
+    length = placed(scene.finger).body.length
+    finger = friction.along(np.minimum(mesh.nodes[edges[:, 1], 0], length))
+    return np.where(mesh.outline.part == JAW, friction.on_jaw(length), finger)
 
 
-def coefficients(scene: Scene, friction: Friction | None, mesh: Mesh) -> Array:
-    """Coefficient on each edge (k,): of ``friction``, or the scene's where that is None."""
-    edges, on_jaw = mesh.outline.edges, mesh.outline.part == JAW
-    own = of_scene(scene)
-    if friction is None and own is not None:
-        length = placed(scene.finger).body.length
-        finger = own.along(np.minimum(mesh.nodes[edges[:, 1], 0], length))
-        return np.where(on_jaw, own.on_jaw(length), finger)
-    given = friction if isinstance(friction, Mapping) else dict.fromkeys(("finger", "jaw"), friction or 0.0)
-    return np.where(on_jaw, given.get("jaw", 0.0), given.get("finger", 0.0))
-
-
-def senses(scene: Scene, friction: Friction | None, mesh: Mesh) -> Array:
+def senses(scene: Scene, mesh: Mesh) -> Array:
     """Sign of T that the scene prescribes on each edge (k,), where there is no motion to find it; else 0.
 
     The force on the object points to the finger's tip where the scene says "tipward": T, on the finger and along the
     object's outline, counter-clockwise around the finger the other way, is positive where an edge runs to the tip.
     """
-    edges = mesh.outline.edges
-    own = of_scene(scene)
-    sense = own.sense if own is not None and friction is None and scene.motion is None else None
-    if sense is None:
+    edges, friction = mesh.outline.edges, of_scene(scene)
+    if friction is None or friction.sense is None or scene.motion is not None:
         return np.zeros(len(edges))
     along = mesh.nodes[edges[:, 2], 0] - mesh.nodes[edges[:, 0], 0]
     to_tip = np.where(along > -1e-9 * mesh.size, 1.0, -1.0)
-    return to_tip if sense == "tipward" else -to_tip
+    return to_tip if friction.sense == "tipward" else -to_tip

@@ -1,16 +1,17 @@
-"""Where the object is, seen from the clamp, along a scene's motion; read from the scene alone."""
+"""Where the object is, seen from the clamp, along a scene's motion, and the way there; read from the scene alone."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import sympy
 
 from gripper.objects import Array
 from gripper.pose import placed
-from gripper.scene import Scene
+from gripper.scene import Motion, Scene
 
 
 @dataclass(frozen=True)
@@ -80,3 +81,53 @@ def clamp(scene: Scene, value: float) -> Frame:
 def travel(start: Frame, stop: Frame, reach: float) -> float:
     """How far the object's matter moves at most within this reach (m) of its origin, in m."""
     return float(np.hypot(stop.x - start.x, stop.y - start.y) + reach * abs(stop.angle - start.angle))
+
+
+def passing(motion: Motion | None, poses: Sequence[float] | None) -> tuple[list[float], list[bool]]:
+    """Values of a motion's parameter to visit, and which of them are asked for: its start, every turn, and the poses.
+
+    Raises
+    ------
+    ValueError
+        Poses that the motion does not pass in this order (any order will do where it goes one way).
+    """
+    if motion is None:
+        if poses is not None:
+            raise ValueError(f"poses must be left out for a scene without motion; got {list(poses)!r}")
+        return [0.0], [True]
+    if poses is None:
+        return list(motion.values), [True] * len(motion.values)
+    turns = _turns(motion.values)
+    asked = sorted(poses, reverse=turns[-1] < turns[0]) if len(turns) <= 2 else list(poses)
+    if not asked:
+        raise ValueError("poses must hold at least one value; got none")
+    way = list(_passed(turns, asked))
+    if asked:
+        marks = " to ".join(f"{value:.6g}" for value in turns) + (", in its order" if len(turns) > 2 else "")
+        raise ValueError(f"poses must be values that the motion passes, {marks}; got {asked[0]!r}")
+    return [value for value, _ in way], [wanted for _, wanted in way]
+
+
+def _turns(values: Sequence[float]) -> list[float]:
+    """The first and last of these values, and those where they turn."""
+    kept = list(values[:1])
+    for before, value, after in zip(values, values[1:], [*values[2:], None], strict=False):
+        if after is None or (value - before) * (after - value) <= 0:
+            kept.append(value)
+    return kept
+
+
+def _passed(turns: Sequence[float], asked: list[float]) -> Iterator[tuple[float, bool]]:
+    """The way along these values through those asked for, which are taken off the list."""
+    at_start = asked[0] == turns[0]
+    yield (asked.pop(0) if at_start else turns[0]), at_start
+    for before, after in pairwise(turns):
+        low, high = min(before, after), max(before, after)
+        while asked and low <= asked[0] <= high and asked[0] != before:
+            before = asked.pop(0)
+            low, high = min(before, after), max(before, after)
+            yield before, True
+        if not asked:
+            return
+        if before != after:
+            yield after, False

@@ -1,10 +1,10 @@
-"""The comparison as data, a table, JSON and CSV."""
+"""The comparison as data, JSON and CSV."""
 
 from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -12,7 +12,7 @@ from gripper.fingers import Material
 from gripper.pose import placed
 from gripper.pose_result import Contact
 from gripper.scene import Scene
-from gripper.verify.friction import is_rough
+from gripper.verify import table
 from gripper.verify.run import Found, Model, Place
 
 Vector = tuple[float, float]
@@ -23,11 +23,28 @@ class Beam:
     """Gripper's own pose, in the clamp's frame; numbers are None where it failed."""
 
     status: str
+    reason: str | None
     force: Vector | None
     tip: Vector | None
     contacts: tuple[Contact, ...]
     max_strain: float | None
     seconds: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class OtherLaw:
+    """What another material law does; None where a force is missing or zero.
+
+    Parameters
+    ----------
+    change
+        How much larger it alone makes the elements' force, relative.
+    force_difference
+        Distance of gripper's force from the elements' with this law, relative.
+    """
+
+    change: float | None
+    force_difference: float | None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,9 +62,9 @@ class VerifiedPose:
     tip_difference
         Distance of the two tips, in m.
     mesh_error
-        The same distance between the elements' two meshes: the error of the coarser one.
+        The same distance between the elements' two meshes: an upper bound, as it is the error of the coarser one.
     laws
-        How much larger the force is with other material laws, relative, on the second mesh.
+        What other material laws do, by name.
     """
 
     parameter: float | None
@@ -56,7 +73,7 @@ class VerifiedPose:
     force_difference: float | None
     tip_difference: float | None
     mesh_error: float | None
-    laws: Mapping[str, float | None] = field(default_factory=dict)
+    laws: Mapping[str, OtherLaw] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,35 +90,31 @@ class Verification:
         Number of elements of the second mesh, along and across.
     poses
         In the motion's order.
+    more_seconds
+        CPU time of the runs on the second mesh and with the other laws.
     """
 
     scene: Scene
     model: Model
     second: tuple[int, int]
     poses: tuple[VerifiedPose, ...]
+    more_seconds: float = 0.0
+
+    @property
+    def worst(self) -> VerifiedPose | None:
+        """The pose where the forces differ most; None where there is nothing to compare."""
+        compared = [pose for pose in self.poses if pose.force_difference is not None]
+        return max(compared, key=lambda pose: pose.force_difference or 0.0, default=None)
 
     @property
     def largest_difference(self) -> float | None:
         """Largest relative difference of the force over all poses; None where there is nothing to compare."""
-        if not self.same_friction:
-            return None
-        return max((p.force_difference for p in self.poses if p.force_difference is not None), default=None)
+        return self.worst.force_difference if self.worst else None
 
     @property
     def failed(self) -> tuple[VerifiedPose, ...]:
-        """The poses that the elements could not solve."""
-        return tuple(pose for pose in self.poses if pose.elements.status == "failed")
-
-    @property
-    def rough(self) -> bool:
-        """Whether the elements have friction."""
-        return is_rough(self.scene, self.model.friction)
-
-    @property
-    def same_friction(self) -> bool:
-        """Whether elements and gripper both have friction, or neither."""
-        states = {contact.state for pose in self.poses for contact in pose.gripper.contacts}
-        return not states or self.rough == bool(states - {"frictionless"})
+        """The poses that the elements or gripper could not solve."""
+        return tuple(pose for pose in self.poses if "failed" in (pose.elements.status, pose.gripper.status))
 
     @property
     def parameter(self) -> str | None:
@@ -118,12 +131,13 @@ class Verification:
                 "force_difference": pose.force_difference,
                 "tip_difference": pose.tip_difference,
                 "mesh_error": pose.mesh_error,
-                "laws": dict(pose.laws),
+                "laws": {name: asdict(law) for name, law in pose.laws.items()},
             }
             for pose in self.poses
         ]
         model = {**asdict(self.model), "second_mesh": self.second, "plane": self.material.plane}
-        return {"schema": 1, "title": self.scene.title, "parameter": self.parameter, "model": model, "poses": poses}
+        head = {"schema": 1, "title": self.scene.title, "parameter": self.parameter, "model": model}
+        return {**head, "largest_difference": self.largest_difference, "poses": poses}
 
     @property
     def material(self) -> Material:
@@ -135,17 +149,20 @@ class Verification:
         text = io.StringIO()
         writer = csv.writer(text, lineterminator="\n")
         laws = list(self.poses[0].laws)
-        writer.writerow([self.parameter or "pose", *_COLUMNS, *(f"force_change_{law}" for law in laws)])
+        writer.writerow([self.parameter or "pose", *_COLUMNS, *(f"{law}_{name}" for law in laws for name in _OF_A_LAW)])
         for i, pose in enumerate(self.poses):
-            changes = [pose.laws[law] for law in laws]
+            changes = [getattr(pose.laws[law], name) for law in laws for name in _OF_A_LAW]
             writer.writerow([i if pose.parameter is None else pose.parameter, *_row(pose), *changes])
         return text.getvalue()
 
+    def markdown(self) -> str:
+        """One table of the comparison, in Markdown."""
+        return table.markdown(self)
+
     def __str__(self) -> str:
-        return "\n\n".join("\n".join(block) for block in _blocks(self) if block)
+        return table.text(self)
 
 
-_ISOTROPIC = 0.01
 _COLUMNS = (
     "status",
     "elements_force_x_N",
@@ -164,6 +181,7 @@ _COLUMNS = (
     "elements_seconds",
     "gripper_seconds",
 )
+_OF_A_LAW = ("change", "force_difference")
 
 
 def _row(pose: VerifiedPose) -> list[Any]:
@@ -174,73 +192,4 @@ def _row(pose: VerifiedPose) -> list[Any]:
 
 
 def _place(contact: Contact) -> Place:
-    return Place(on=contact.on, s=contact.s, normal_force=contact.normal_force)
-
-
-def _number(value: float | None, digits: int = 4) -> str:
-    return "" if value is None else f"{round(value, 12) + 0.0:.{digits}g}"
-
-
-def _percent(value: float | None, sign: str = "") -> str:
-    return "" if value is None else f"{100 * value:{sign}.2f} %"
-
-
-def _where(contacts: Sequence[Place | Contact]) -> str:
-    return ", ".join(f"{contact.on} {contact.s:.4g}" for contact in contacts)
-
-
-def _aligned(rows: Sequence[Sequence[str]]) -> list[str]:
-    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
-    return ["  ".join(cell.rjust(w) for cell, w in zip(row, widths, strict=True)).rstrip() for row in rows]
-
-
-def _blocks(report: Verification) -> list[list[str]]:
-    model = report.model
-    along, across = model.elements
-    friction = "friction" if report.rough else "no friction"
-    jaw = f"{model.jaw} jaw, " if placed(report.scene.finger).body.jaw is not None else ""
-    head = [report.scene.title] if report.scene.title else []
-    head += [
-        f"finite elements: {along} x {across} quadratic, {model.law}, plane {report.material.plane}, "
-        f"{jaw}{friction}; mesh error from {report.second[0]} x {report.second[1]}",
-        "force of the finger on the object and tip in the finger's frame; gripper's in brackets",
-    ]
-    material = report.material
-    isotropic = material.youngs_modulus / (2 * (1 + material.poisson_ratio))
-    if abs(material.G / isotropic - 1) > _ISOTROPIC:
-        head.append(f"the elements use G = {isotropic:.4g} Pa of E and nu, gripper {material.G:.4g} Pa as given")
-    if not report.same_friction:
-        head.append("the forces are not compared: one of the two has no friction")
-    failures = [f"pose {i}: {p.elements.reason}" for i, p in enumerate(report.poses) if p.elements.reason]
-    snaps = [f"pose {i}: the elements snapped on the way" for i, p in enumerate(report.poses) if p.elements.snapped]
-    return [head, _aligned(_forces(report)), _aligned(_shapes(report)), snaps + failures]
-
-
-def _name(report: Verification, i: int) -> str:
-    parameter = report.poses[i].parameter
-    return str(i) if parameter is None else _number(parameter)
-
-
-def _forces(report: Verification) -> list[list[str]]:
-    laws = list(report.poses[0].laws)
-    header = [report.parameter or "pose", "status", "Fx (N)", "", "Fy (N)", "", "difference", "mesh"]
-    rows = [[*header, *laws]]
-    for i, pose in enumerate(report.poses):
-        fem, beam = pose.elements.force or (None, None), pose.gripper.force or (None, None)
-        pairs = [_number(fem[0], 5), f"({_number(beam[0], 5)})", _number(fem[1], 5), f"({_number(beam[1], 5)})"]
-        relative = [_percent(pose.force_difference) if report.same_friction else "", _percent(pose.mesh_error)]
-        changes = [_percent(pose.laws[law], "+") for law in laws]
-        rows.append([_name(report, i), pose.elements.status, *pairs, *relative, *changes])
-    return rows
-
-
-def _shapes(report: Verification) -> list[list[str]]:
-    rows = [[report.parameter or "pose", "tip (m)", "apart (m)", "contact", "", "strain", "", "CPU s", ""]]
-    for i, pose in enumerate(report.poses):
-        fem, beam = pose.elements, pose.gripper
-        tip = " ".join(f"{round(x, 5) + 0.0:.5f}" for x in fem.tip or ())
-        places = [_where(fem.contacts), f"({_where(beam.contacts)})"]
-        strains = [_number(fem.max_strain, 3), f"({_number(beam.max_strain, 3)})"]
-        seconds = [_number(fem.seconds, 3), f"({_number(beam.seconds, 2)})"]
-        rows.append([_name(report, i), tip, _number(pose.tip_difference, 2), *places, *strains, *seconds])
-    return rows
+    return Place(on=contact.on, s=contact.s, normal_force=contact.normal_force, state=contact.state)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from gripper.verify.contact import Contact
 from gripper.verify.corners import Corners
 from gripper.verify.elements import Elements
 from gripper.verify.follow import Follower, Setting
-from gripper.verify.friction import Friction, coefficients, senses
+from gripper.verify.friction import coefficients, senses
 from gripper.verify.material import Law, LawName
 from gripper.verify.mesh import JawKind, Mesh, build, profile
 from gripper.verify.motion import relative
@@ -25,6 +26,7 @@ from gripper.verify.outline import PARTS, Part
 from gripper.verify.surface import places
 from gripper.verify.touch import Touch
 
+State = Literal["frictionless", "slip", "stick"]
 _ROUND_OFF = 2e-15
 _NO_CONTACT = 1e-2  # of all normal forces: the end of an edge beside a corner that carries the force
 
@@ -41,23 +43,33 @@ class Model:
         Material law.
     jaw
         "rigid" or "elastic".
-    friction
-        Coulomb's coefficient: a number, or one for "finger" and one for "jaw"; None for the scene's own.
     """
 
     elements: tuple[int, int]
     law: LawName = "svk"
     jaw: JawKind = "rigid"
-    friction: Friction | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
 class Place:
-    """One separate contact: on which part, its force-weighted place (m), and its normal force (N)."""
+    """One separate contact.
+
+    Parameters
+    ----------
+    on
+        Which part of the finger.
+    s
+        Force-weighted place along it, in m.
+    normal_force
+        In N.
+    state
+        "frictionless", or "stick" where most of the normal force stands on points that stick, or "slip".
+    """
 
     on: Part
     s: float
     normal_force: float
+    state: State
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -108,8 +120,8 @@ def assembled(scene: Scene, model: Model) -> tuple[Setting, Mesh]:
     w = profile(finger.w(S))(stations)
     thickness, E, b = float(w.min()), material.youngs_modulus, float(mesh.width(stations[:1])[0])
     corners = Corners.of(mesh, np.asarray(body.corners, dtype=float), E, thickness)
-    mu, sense = coefficients(scene, model.friction, mesh), senses(scene, model.friction, mesh)
-    contact = Contact(places(mesh, E, thickness), corners, mesh.outline.edges, body, mu, sense)
+    rough = coefficients(scene, mesh), senses(scene, mesh)
+    contact = Contact(places(mesh, E, thickness), corners, mesh.outline.edges, body, *rough)
     floor = E * b * (1e-9 * w[0] ** 3 / 12 / finger.length**2 + _ROUND_OFF * finger.length**2 / mesh.size)
     system = System(Body(mesh, elements), elements, contact, float(floor))
     reach = float(min(np.hypot(*np.abs(np.reshape(body.box, (2, 2))).max(axis=0)), 2 * finger.length))
@@ -136,19 +148,24 @@ def run(
     setting, mesh = assembled(scene, model)
     path, follower = relative(scene), None
     found = []
-    iterations, began = 0, time.process_time()
+    counted, began = 0, time.process_time()
     for value, asked in zip(way, wanted, strict=True):
         try:
-            follower = follower or Follower(setting, path, value, scene.approach)
+            follower = follower or Follower(setting, path, value, _next(way, value), scene.approach)
             pose = _pose(follower, mesh, follower.advance(value))
         except ArithmeticError as error:
             pose = Found(status="failed", reason=str(error))
-        iterations += follower.iterations if follower else 0
         if asked:
-            found.append(replace(pose, iterations=iterations, seconds=time.process_time() - began))
-            iterations, began = 0, time.process_time()
+            total = follower.iterations if follower else 0
+            found.append(replace(pose, iterations=total - counted, seconds=time.process_time() - began))
+            counted, began = total, time.process_time()
             done()
     return found
+
+
+def _next(way: Sequence[float], value: float) -> float:
+    """Where the way goes on to from a value; the value itself at its end."""
+    return next((later for later in way[way.index(value) :] if later != value), value)
 
 
 def _pose(follower: Follower, mesh: Mesh, solution: Solution) -> Found:
@@ -159,14 +176,14 @@ def _pose(follower: Follower, mesh: Mesh, solution: Solution) -> Found:
         status="contact" if touch.at.size else "free",
         force=(float(fx), float(fy)),
         tip=(float(x), float(y)),
-        contacts=_contacts(mesh, touch),
+        contacts=_contacts(mesh, touch, follower.system.contact.rough),
         max_strain=follower.system.elements.largest_strain(solution.positions),
         depth=follower.depth,
         snapped=follower.snapped,
     )
 
 
-def _contacts(mesh: Mesh, touch: Touch) -> tuple[Place, ...]:
+def _contacts(mesh: Mesh, touch: Touch, rough: bool) -> tuple[Place, ...]:
     """Separate contacts: touching points of one part with no free element between them."""
     part = mesh.outline.part[touch.edge]
     order = np.lexsort((touch.along, part))
@@ -176,6 +193,8 @@ def _contacts(mesh: Mesh, touch: Touch) -> tuple[Place, ...]:
     for group in np.split(order, np.flatnonzero(new)[1:]) if order.size else []:
         normal = touch.normal[group]
         if normal.sum() > _NO_CONTACT * touch.normal.sum():
-            s = float(np.average(touch.along[group], weights=normal))
-            contacts.append(Place(on=PARTS[part[group[0]]], s=s, normal_force=float(normal.sum())))
+            s, total = float(np.average(touch.along[group], weights=normal)), float(normal.sum())
+            state: State = "stick" if normal[touch.sticking[group]].sum() > total / 2 else "slip"
+            on = PARTS[part[group[0]]]
+            contacts.append(Place(on=on, s=s, normal_force=total, state=state if rough else "frictionless"))
     return tuple(contacts)
