@@ -11,7 +11,7 @@ from pathlib import Path
 import sympy
 
 import gripper as gr
-from gripper.plot import snapshots
+
 from gripper_plugins.fingers.uniform import Uniform
 from gripper_plugins.jaws.triangle import Triangle
 from gripper_plugins.objects.circle import Circle
@@ -33,7 +33,7 @@ DRAWN = (8, 14, 22, 36)  # x_o = 78, 72, 64 and 50 mm: before the touch, inserti
 def main(folder: str | Path = ".") -> gr.Result:
     """Trace the whole motion and write ``micro_assembly.png`` into the folder."""
     result = gr.trace(scene)
-    snapshots(result, DRAWN).savefig(Path(folder) / "micro_assembly.png", dpi=150)
+    result.filmstrip(DRAWN).savefig(Path(folder) / "micro_assembly.png")
     return result
 
 

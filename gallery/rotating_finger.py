@@ -12,7 +12,7 @@ from pathlib import Path
 import sympy
 
 import gripper as gr
-from gripper.plot import snapshots
+
 from gripper_plugins.fingers.tapered import Tapered
 from gripper_plugins.objects.ellipse import Ellipse
 
@@ -35,7 +35,7 @@ def main(folder: str | Path = ".") -> gr.Result:
     result = gr.trace(scene)
     places = [(102 - angle) / 236.22 for angle in ANGLES]
     drawn = [min(range(49), key=lambda i: abs(scene.motion.values[i] - place)) for place in places]
-    snapshots(result, drawn).savefig(Path(folder) / "rotating_finger.png", dpi=150)
+    result.filmstrip(drawn).savefig(Path(folder) / "rotating_finger.png")
     return result
 
 

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable, Iterable
 from importlib.metadata import version
+from os import PathLike
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 from gripper import report
@@ -14,6 +17,8 @@ from gripper.scene import Scene
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from gripper.plot import Axis
 
 __all__ = [
     "Checks",
@@ -180,10 +185,36 @@ class Result:
         return report.as_csv(self)
 
     def plot(self) -> Figure:
-        """Draw it: one pose, or snapshots of the motion. Needs matplotlib, headless or not."""
-        import gripper.plot as drawing  # here, so that `import gripper` does not load matplotlib
+        """Draw it: one pose, or a filmstrip of the motion. Needs no display."""
+        return self.filmstrip()
 
-        return drawing.snapshots(self)
+    def filmstrip(
+        self, poses: Iterable[int] | None = None, *, mirror: Axis | None = None, width: float | None = None
+    ) -> Figure:
+        """Draw poses of the motion beside each other, to one scale: see `gripper.plot.filmstrip`."""
+        from gripper.plot import filmstrip  # here, so that `import gripper` does not load matplotlib
+
+        return filmstrip(self, poses, mirror=mirror, width=width)
+
+    def curve(self, quantity: str = "force_on_object", *, width: float | None = None) -> Figure:
+        """Draw the force on the object, or another number, along the motion: see `gripper.plot.curve`."""
+        from gripper.plot import PAGE, curve
+
+        return curve(self, quantity, width=width or PAGE)
+
+    def animate(
+        self,
+        path: str | PathLike[str],
+        *,
+        seconds: float = 5.0,
+        pixels: int = 720,
+        mirror: Axis | None = None,
+        progress: Callable[[int, int], None] | None = None,
+    ) -> Path:
+        """Write the motion as a film, .gif or .mp4: see `gripper.plot.animate`."""
+        from gripper.plot import animate
+
+        return animate(self, path, seconds=seconds, pixels=pixels, mirror=mirror, progress=progress)
 
     def __str__(self) -> str:
         return report.as_text(self)

@@ -19,6 +19,7 @@ from matplotlib.path import Path
 from matplotlib.quiver import Quiver
 
 from gripper import plot
+from gripper.plot.filmstrip import MOST_SNAPSHOTS
 from gripper.fingers import Material
 from gripper.objects import Object
 from gripper.result import Contact, Event, Model, PoseResult, Result, Shape
@@ -93,7 +94,7 @@ def panels(figure: Figure) -> list:
 
 
 def test_every_panel_has_equal_axes_and_one_scale() -> None:
-    figure = plot.snapshots(motion([0.2, 0.9, 0.4, 0.0]))
+    figure = plot.filmstrip(motion([0.2, 0.9, 0.4, 0.0]))
     figure.draw_without_rendering()
     drawn = panels(figure)
     assert len(drawn) == 4
@@ -106,7 +107,7 @@ def test_every_panel_has_equal_axes_and_one_scale() -> None:
 
 @pytest.mark.parametrize("bend", [0.0, 0.5, 1.5])
 def test_the_outline_drawn_has_the_finger_s_area(bend: float) -> None:
-    ax = panels(plot.pose(motion([bend])))[0]
+    ax = panels(plot.filmstrip(motion([bend])))[0]
     outlines = [patch for patch in ax.patches if isinstance(patch, Polygon) and not patch.get_fill()]
     exact = 1e6 * LENGTH * THICKNESS  # mm^2
     assert area(outlines[0].get_xy()[:-1]) == pytest.approx(exact, rel=1e-3)
@@ -116,7 +117,7 @@ def test_the_outline_drawn_has_the_finger_s_area(bend: float) -> None:
 
 
 def test_the_arrow_starts_at_the_contact_and_points_into_the_object_to_scale() -> None:
-    figure = plot.snapshots(motion([0.5, 1.0]))
+    figure = plot.filmstrip(motion([0.5, 1.0]))
     arrows = [each for ax in panels(figure) for each in ax.collections if isinstance(each, Quiver)]
     lengths = [math.hypot(each.U[0], each.V[0]) for each in arrows]
     assert lengths[1] == pytest.approx(2 * lengths[0])
@@ -135,7 +136,7 @@ def test_two_contacts_get_an_arrow_each_that_add_up_to_the_force() -> None:
     force = (second.normal_force - first.normal_force) * np.array(first.normal) + 2.0 * along
     both = replace(one, contacts=(first, second), force_on_object=force)
     given = replace(motion([0.5]), poses=(both,))
-    arrows = [each for each in panels(plot.pose(given))[0].collections if isinstance(each, Quiver)]
+    arrows = [each for each in panels(plot.filmstrip(given))[0].collections if isinstance(each, Quiver)]
     total = sum(np.array([each.U[0], each.V[0]]) for each in arrows)
     assert len(arrows) == 2
     assert total / np.linalg.norm(total) == pytest.approx(force / np.linalg.norm(force))
@@ -144,7 +145,7 @@ def test_two_contacts_get_an_arrow_each_that_add_up_to_the_force() -> None:
 @pytest.mark.parametrize("jaw", [False, True])
 @pytest.mark.parametrize("bends", [[0.5], [0.0, 0.0], [0.2, 1.2, 0.4], [0.1 * i for i in range(12)]])
 def test_all_that_is_drawn_lies_inside_its_panel(bends: list[float], jaw: bool) -> None:
-    for ax in panels(plot.snapshots(motion(bends, jaw))):
+    for ax in panels(plot.filmstrip(motion(bends, jaw))):
         (left, right), (bottom, top) = ax.get_xlim(), ax.get_ylim()
         points = np.concatenate([patch.get_xy() for patch in ax.patches])
         assert left < points[:, 0].min() < points[:, 0].max() < right
@@ -152,7 +153,7 @@ def test_all_that_is_drawn_lies_inside_its_panel(bends: list[float], jaw: bool) 
 
 
 def test_no_texts_of_a_figure_overlap() -> None:
-    figure = plot.snapshots(motion([0.2, 0.9, 0.4, 0.6, 0.0], title="A rather long title, " * 12))
+    figure = plot.filmstrip(motion([0.2, 0.9, 0.4, 0.6, 0.0], title="A rather long title, " * 12))
     figure.draw_without_rendering()
     titles = [figure._suptitle, *(ax.title for ax in panels(figure))]
     boxes = [text.get_window_extent() for text in titles if text is not None]
@@ -164,9 +165,9 @@ def test_no_texts_of_a_figure_overlap() -> None:
 def test_the_default_snapshots_hold_the_ends_the_first_contact_and_the_largest_force() -> None:
     bends = [0.0] * 40
     bends[11:20] = [0.1, 0.2, 0.3, 0.4, 0.9, 0.4, 0.3, 0.2, 0.1]
-    figure = plot.snapshots(motion(bends))
+    figure = plot.filmstrip(motion(bends))
     titles = " ".join(ax.get_title() for ax in panels(figure))
-    assert len(panels(figure)) == plot.MOST_SNAPSHOTS
+    assert len(panels(figure)) == MOST_SNAPSHOTS
     for i in (0, 11, 15, 39):
         assert f"q = {0.1 * i:.4g}:" in titles
 
@@ -174,11 +175,11 @@ def test_the_default_snapshots_hold_the_ends_the_first_contact_and_the_largest_f
 def test_poses_that_failed_are_left_out_and_refused_by_name() -> None:
     whole = motion([0.2, 0.9, 0.4])
     gap = replace(whole, poses=(whole.poses[0], PoseResult.failed(0.1, "no equilibrium"), whole.poses[2]))
-    assert len(panels(plot.snapshots(gap))) == 2
+    assert len(panels(plot.filmstrip(gap))) == 2
     with pytest.raises(ValueError, match="got 1: no equilibrium"):
-        plot.snapshots(gap, [0, 1])
+        plot.filmstrip(gap, [0, 1])
     with pytest.raises(ValueError, match="indices from 0 to 2; got 7"):
-        plot.snapshots(gap, [7])
+        plot.filmstrip(gap, [7])
     nothing = replace(whole, poses=(PoseResult.failed(0.0, "no equilibrium"),))
     with pytest.raises(ValueError, match="at least one pose"):
         nothing.plot()
@@ -193,7 +194,7 @@ RING = Implicit(expression=sympy.Abs(sympy.sqrt(X**2 + Y**2) - 0.02) - 0.01, ext
 
 @pytest.mark.parametrize("target", [WALL, PARABOLA, STRIP, RING])
 def test_an_object_without_bounds_or_with_a_hole_is_filled_inside_and_only_there(target: Object) -> None:
-    ax = panels(plot.pose(motion([0.5], target=target)))[0]
+    ax = panels(plot.filmstrip(motion([0.5], target=target)))[0]
     (left, right), (bottom, top) = ax.get_xlim(), ax.get_ylim()
     assert max(right - left, top - bottom) < 1e3 * 5 * LENGTH
     (fill,) = (each for each in ax.collections if isinstance(each, ContourSet))
@@ -209,7 +210,7 @@ def test_an_object_without_bounds_or_with_a_hole_is_filled_inside_and_only_there
 def test_given_axes_take_all_poses_over_each_other() -> None:
     figure = Figure()
     ax = figure.subplots()
-    assert plot.snapshots(motion([0.2, 0.9, 0.4]), ax=ax) is figure
+    assert plot.filmstrip(motion([0.2, 0.9, 0.4]), ax=ax) is figure
     outlines = [patch for patch in ax.patches if isinstance(patch, Polygon) and not patch.get_fill()]
     assert len(outlines) == 3
     assert ax.get_aspect() == 1
@@ -247,12 +248,12 @@ def test_figures_are_written_to_files(kind: str, tmp_path: pathlib.Path) -> None
 
 
 def test_a_notebook_can_show_a_figure_without_a_backend() -> None:
-    assert plot.pose(motion([0.5]))._repr_png_().startswith(b"\x89PNG")
+    assert plot.filmstrip(motion([0.5]))._repr_png_().startswith(b"\x89PNG")
 
 
 @pytest.mark.parametrize("title", ["costs $5 or $6", "100 % of x_e^2", "<b>", ""])
 def test_any_title_can_be_drawn(title: str) -> None:
-    plot.snapshots(motion([0.5], title=title)).draw_without_rendering()
+    plot.filmstrip(motion([0.5], title=title)).draw_without_rendering()
 
 
 def test_plotting_leaves_pyplot_alone() -> None:

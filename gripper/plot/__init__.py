@@ -1,0 +1,13 @@
+"""Figures of a result: filmstrips to scale in the world frame, curves along the motion, animations.
+
+Figures are made without pyplot: nothing global changes, no display is needed, and a notebook shows them. Written as
+SVG they repeat bit for bit. ``result.filmstrip()``, ``result.curve()`` and ``result.animate()`` call these.
+"""
+
+from gripper.plot.animation import animate
+from gripper.plot.curve import QUANTITIES, curve
+from gripper.plot.filmstrip import filmstrip
+from gripper.plot.sketch import Axis
+from gripper.plot.style import COLUMN, PAGE, Picture, styled
+
+__all__ = ["COLUMN", "PAGE", "QUANTITIES", "Axis", "Picture", "animate", "curve", "filmstrip", "styled"]

@@ -1,0 +1,204 @@
+"""A motion as a film: the finger over the object, to scale, and the force as it goes."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+from gripper.plot.curve import curve
+from gripper.plot.draw import Key, draw, frame
+from gripper.plot.filmstrip import caption
+from gripper.plot.layout import Legend, Row, arrange
+from gripper.plot.sketch import Axis, Sketch, extent, fingers, union
+from gripper.plot.style import INCH, INK, Picture, styled
+from gripper.plot.units import parameter_unit
+from gripper.result import PoseResult, Result
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
+
+Progress = Callable[[int, int], None]
+WIDTH = 0.12
+"""Width on which a film is laid out, in m: its type is legible at two thirds of that."""
+_HOLD = 0.8
+"""How long the last pose stays, in s."""
+_FASTEST, _SLOWEST = 25.0, 4.0
+"""Frames a second."""
+_SAMPLED = 8
+"""Frames from which the colours of a GIF are chosen."""
+
+
+def animate(
+    result: Result,
+    path: str | os.PathLike[str],
+    *,
+    seconds: float = 5.0,
+    pixels: int = 720,
+    mirror: Axis | None = None,
+    progress: Progress | None = None,
+) -> Path:
+    """Write a motion as a film, a frame a pose: .gif always, .mp4 where ffmpeg is found.
+
+    Parameters
+    ----------
+    result
+        A motion; at most 25 of its poses a second are shown, evenly chosen. One without an answer shows no finger.
+    path
+        The file to write; its ending decides the kind.
+    seconds
+        How long it lasts, about.
+    pixels
+        Its width.
+    mirror
+        An axis of the object's symmetry beyond which a second finger is drawn, as ``gripper.plot.filmstrip``.
+    progress
+        Called with the number of frames done and to do.
+
+    Returns
+    -------
+    The path.
+
+    Raises
+    ------
+    ValueError
+        A scene without motion, an ending that is neither, .mp4 without ffmpeg, no pose with an answer, or a time or
+        size that is not positive.
+    """
+    path = Path(path)
+    write = _writer(path)
+    if result.scene.motion is None:
+        raise ValueError("result must hold a motion, of several poses, for a film; got one pose without motion")
+    if not seconds > 0:
+        raise ValueError(f"seconds must be a positive number, in s; got {seconds!r}")
+    if not pixels >= 100:
+        raise ValueError(f"pixels must be at least 100; got {pixels!r}")
+    chosen = _chosen(len(result.poses), seconds)
+    rate = min(max(len(chosen) / seconds, _SLOWEST), _FASTEST)
+    with styled():
+        film = _Film(result, chosen, mirror, pixels)
+        draft = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
+        try:
+            write(draft, film, rate, progress or (lambda done, total: None))
+            draft.replace(path)
+        finally:
+            draft.unlink(missing_ok=True)
+    return path
+
+
+def _chosen(poses: int, seconds: float) -> list[int]:
+    most = max(2, int(seconds * _FASTEST))
+    return sorted({round(i) for i in np.linspace(0, poses - 1, min(poses, most)).tolist()})
+
+
+class _Film:
+    """A figure that shows one pose after the other; its layout is made once, so that nothing trembles."""
+
+    def __init__(self, result: Result, chosen: list[int], mirror: Axis | None, pixels: int) -> None:
+        self.result, self.chosen = result, chosen
+        self.unit = parameter_unit(result.scene)
+        answered = [i for i in chosen if result.poses[i].shape is not None]
+        if not answered:
+            raise ValueError("result must hold at least one pose that has an answer; got none")
+        self.drawn: dict[int, list[Sketch]] = {i: fingers(result, i, mirror) for i in answered}
+        everything = [each for panel in self.drawn.values() for each in panel]
+        self.key = Key.of(list(self.drawn.values()))
+        self.window = union([extent(each, self.key.arrow) for each in everything])
+        self.artists: list[Artist] = []
+        self._lay_out(pixels)
+
+    def _lay_out(self, pixels: int) -> None:
+        inches = WIDTH / INCH
+        left, bottom, right, top = self.window
+        aspect = (top - bottom) / (right - left)
+        self.figure = Picture(figsize=(inches, inches), dpi=pixels / inches)
+        self.scene, self.curve = (self.figure.add_axes((0.1, 0.1, 0.8, 0.4), label=name) for name in ("scene", "curve"))
+        frame(self.scene, self.window, self.key)
+        self.scene.set_title("free")
+        curve(self.result, ax=self.curve)
+        self.cursor = self.curve.axvline(0.0, color=INK, linewidth=1.0)
+        rows = [Row([self.scene], aspect), Row([self.curve], inches=1.2)]
+        legend = Legend(self.figure, self.key, 0.94 * inches)
+        arrange(self.figure, rows, legend, after=0, title=self.result.title)
+        height = 2 * round(self.figure.get_figheight() * self.figure.dpi / 2)  # MP4 wants even numbers of pixels
+        self.figure.set_size_inches((pixels // 2 * 2 + 0.01) / self.figure.dpi, (height + 0.01) / self.figure.dpi)
+
+    def show(self, i: int) -> None:
+        """Show pose i."""
+        for artist in self.artists:
+            artist.remove()
+        self.artists = []
+        answer: PoseResult = self.result.poses[i]
+        panel = self.drawn.get(i, [])
+        for each in panel:
+            self.artists += draw(self.scene, each, self.key)
+        self.scene.set_title(caption(self.result.parameter, self.unit, answer, self.key, len(panel)), parse_math=False)
+        self.cursor.set_xdata([self.unit.factor * (answer.parameter or 0.0)] * 2)
+
+
+def _writer(path: Path) -> Callable[[Path, _Film, float, Progress], None]:
+    ending = path.suffix.lower()
+    if ending == ".gif":
+        return _write_gif
+    if ending != ".mp4":
+        raise ValueError(f"path must end in .gif or .mp4; got {str(path)!r}")
+    from matplotlib.animation import FFMpegWriter
+
+    if not FFMpegWriter.isAvailable():
+        raise ValueError(f"path must end in .gif, for ffmpeg, which writes .mp4, is not on the PATH; got {str(path)!r}")
+    return _write_mp4
+
+
+def _write_mp4(path: Path, film: _Film, rate: float, progress: Progress) -> None:
+    from matplotlib.animation import FFMpegWriter
+
+    writer = FFMpegWriter(fps=round(rate), codec="h264", extra_args=["-pix_fmt", "yuv420p"])
+    with writer.saving(film.figure, str(path), film.figure.dpi):
+        for done, i in enumerate(film.chosen, start=1):
+            film.show(i)
+            for _ in range(1 + (done == len(film.chosen)) * round(_HOLD * rate)):
+                writer.grab_frame()
+            progress(done, len(film.chosen))
+
+
+def _write_gif(path: Path, film: _Film, rate: float, progress: Progress) -> None:
+    """Write all frames in one set of colours, without dithering, which would tremble and not compress."""
+    from PIL import Image as Images
+
+    canvas = FigureCanvasAgg(film.figure)
+
+    def rendered(i: int) -> Image:
+        film.show(i)
+        canvas.draw()  # type: ignore[no-untyped-call]
+        return Images.fromarray(np.asarray(canvas.buffer_rgba())[..., :3].copy())  # type: ignore[no-untyped-call]
+
+    steps = max(1, len(film.chosen) // _SAMPLED)
+    colours = _colours([rendered(i) for i in film.chosen[::steps]])
+
+    def frames(chosen: Iterable[int]) -> Iterator[Image]:
+        for i in chosen:
+            yield rendered(i).quantize(palette=colours, dither=Images.Dither.NONE)
+            progress(film.chosen.index(i) + 1, len(film.chosen))
+
+    lasting = [round(1e3 / rate)] * len(film.chosen)
+    lasting[-1] += round(1e3 * _HOLD)
+    first, *others = film.chosen
+    (start,) = frames([first])
+    start.save(path, save_all=True, append_images=frames(others), duration=lasting, loop=0, optimize=False)
+
+
+def _colours(samples: list[Image]) -> Image:
+    """Choose 256 colours that suit all these, white itself among them."""
+    from PIL import Image as Images
+
+    together = np.concatenate([np.asarray(sample) for sample in samples])
+    chosen = Images.fromarray(together).quantize(256, method=Images.Quantize.MAXCOVERAGE)
+    colours = np.array(chosen.getpalette()).reshape(-1, 3)
+    colours[colours.sum(axis=1).argmax()] = 255
+    chosen.putpalette(colours.ravel().tolist())
+    return chosen
