@@ -11,7 +11,6 @@ from pathlib import Path
 import sympy
 
 import gripper as gr
-
 from gripper_plugins.fingers.uniform import Uniform
 from gripper_plugins.jaws.triangle import Triangle
 from gripper_plugins.objects.circle import Circle

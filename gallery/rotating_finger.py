@@ -12,7 +12,6 @@ from pathlib import Path
 import sympy
 
 import gripper as gr
-
 from gripper_plugins.fingers.tapered import Tapered
 from gripper_plugins.objects.ellipse import Ellipse
 

@@ -126,13 +126,13 @@ def _place(drafts: Mapping[Path, Path], complete: Collection[Path]) -> None:
 
 def _picture(result: Result) -> bytes:
     """Draw the snapshots, as PNG; where no pose has an answer, a picture that says so."""
-    from matplotlib.figure import Figure
+    from gripper.plot import Picture
 
-    if len(result.failed) < len(result.poses):
+    if any(pose.shape is not None for pose in result.poses):
         figure = result.plot()
     else:
-        figure = Figure(figsize=(4, 1))
+        figure = Picture(figsize=(4, 1))
         figure.text(0.5, 0.5, "no pose has an answer", ha="center", va="center")
     data = io.BytesIO()
-    figure.savefig(data, format="png", dpi=150)
+    figure.savefig(data, format="png")
     return data.getvalue()

@@ -124,7 +124,7 @@ class _Film:
         self.cursor = self.curve.axvline(0.0, color=INK, linewidth=1.0)
         rows = [Row([self.scene], aspect), Row([self.curve], inches=1.2)]
         legend = Legend(self.figure, self.key, 0.94 * inches)
-        arrange(self.figure, rows, legend, after=0, title=self.result.title)
+        arrange(self.figure, rows, self.result.title, legend)
         height = 2 * round(self.figure.get_figheight() * self.figure.dpi / 2)  # MP4 wants even numbers of pixels
         self.figure.set_size_inches((pixels // 2 * 2 + 0.01) / self.figure.dpi, (height + 0.01) / self.figure.dpi)
 

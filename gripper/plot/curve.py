@@ -13,7 +13,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from gripper.plot.style import FORCE, INCH, INK, PAGE, SECOND, THIRD, Picture, figure_of, styled, wrapped
+from gripper.plot.layout import Row, arrange
+from gripper.plot.style import FORCE, INCH, INK, PAGE, SECOND, THIRD, Picture, figure_of, styled
 from gripper.plot.units import Unit, force_unit, labelled, length_unit, parameter_unit
 from gripper.result import Event, Result
 
@@ -109,15 +110,13 @@ def curve(
         if ax is not None:
             _draw(ax, result, quantity, label, [None] * 2)
             return figure_of(ax)
-        ax = Picture(figsize=(width / INCH, max(0.45 * width / INCH, 2.1)), layout="constrained").subplots()
+        figure = Picture(figsize=(width / INCH, width / INCH))
+        ax = figure.add_axes((0.1, 0.1, 0.8, 0.4))
         colours = [SECOND, FORCE] if len(QUANTITIES[quantity].components) > 1 else [THIRD]
         _draw(ax, result, quantity, label, colours)
         _mark(ax, result.events, parameter_unit(result.scene).factor)
-        title = ax.set_title(result.title, parse_math=False)
-        title.set_text(
-            wrapped(result.title, 0.95 * figure_of(ax).bbox.width / max(1.0, title.get_window_extent().width))
-        )
-        return figure_of(ax)
+        arrange(figure, [Row([ax], inches=max(0.35 * width / INCH, 1.6))], result.title)
+        return figure
 
 
 def _draw(ax: Axes, result: Result, quantity: str, label: str, colours: Sequence[str | None]) -> None:

@@ -139,7 +139,7 @@ def _strip(result: Result, drawn: list[list[Sketch]], boxes: list[Box], key: Key
         spare = 0
     legend = Legend(figure, key, KEY_WIDTH if spare else 0.94 * inches)
     lines = [Row(panels[i : i + columns], aspect) for i in range(0, len(panels), columns)]
-    arrange(figure, lines, legend, after=rows - 1, title=result.title, spare=spare)
+    arrange(figure, lines, result.title, legend, after=rows - 1, spare=spare)
     return figure
 
 

@@ -101,16 +101,18 @@ class _Page(NamedTuple):
 
 
 def _heading(figure: Figure, title: str) -> tuple[Text, float]:
-    """Set the title, in as many lines as it needs; its height with the gap below, in inches."""
+    """Set the title, in as many lines as it needs; where what is below it may begin, in inches."""
     heading = figure.suptitle(title, parse_math=False, va="top")
     extent = heading.get_window_extent()
     if extent.width > 0.97 * figure.bbox.width:
         heading.set_text(wrapped(title, 0.95 * figure.bbox.width / extent.width))
         extent = heading.get_window_extent()
-    return heading, (extent.height / figure.dpi + _GAP) * bool(title)
+    return heading, _MARGIN + (extent.height / figure.dpi + _GAP) * bool(title)
 
 
-def arrange(figure: Figure, rows: Sequence[Row], legend: Legend, *, after: int, title: str, spare: int = 0) -> None:
+def arrange(
+    figure: Figure, rows: Sequence[Row], title: str, legend: Legend | None = None, *, after: int = 0, spare: int = 0
+) -> None:
     """Set the figure's height and the place of all that it holds.
 
     Parameters
@@ -119,28 +121,23 @@ def arrange(figure: Figure, rows: Sequence[Row], legend: Legend, *, after: int, 
         Its width stays.
     rows
         From top to bottom; axes of one column stand under each other.
-    legend, after
-        The key, below this row; with ``spare`` in that row's last empty columns instead.
     title
         Of the figure, above all.
+    legend, after
+        The key, below this row; with ``spare`` in that row's last empty columns instead.
     spare
         Number of empty columns that the key takes; 0 for a place of its own.
     """
     width = figure.get_figwidth()
-    heading, above = _heading(figure, title)
+    heading, top = _heading(figure, title)
     out = [[overhang(ax) for ax in row.axes] for row in rows]
-    columns = max(len(row.axes) for row in rows)
-    sides = [[line[c] for line in out if c < len(line)] for c in range(columns)]
-    before = [max(each.left for each in side) for side in sides]
-    behind = [max(each.right for each in side) for side in sides]
-    panel = (width - 2 * _MARGIN - sum(before) - sum(behind) - _GAP * (columns - 1)) / columns
-    lefts = [_MARGIN + sum(before[: c + 1]) + sum(behind[:c]) + c * (panel + _GAP) for c in range(columns)]
-    tops, heights, top = [], [], _MARGIN + above
+    lefts, panel = _columns(out, width)
+    tops, heights, beneath = [], [], 0.0
     for i, (row, line) in enumerate(zip(rows, out, strict=True)):
         tops.append(top + max(each.top for each in line))
         heights.append(panel * row.aspect if row.inches is None else row.inches)
         top = tops[-1] + heights[-1] + max(each.bottom for each in line) + _GAP
-        if i == after and not spare:
+        if legend and i == after and not spare:
             beneath, top = top, top + legend.height + _GAP
     page = _Page(figure, width, top - _GAP + _MARGIN)
     figure.set_size_inches(page.width, page.height)
@@ -148,7 +145,17 @@ def arrange(figure: Figure, rows: Sequence[Row], legend: Legend, *, after: int, 
     for row, start, height in zip(rows, tops, heights, strict=True):
         for ax, left in zip(row.axes, lefts, strict=False):
             page.put(ax, left, start, panel, height)
-    if spare:
-        legend.place(page, lefts[columns - spare] - before[columns - spare] / 2, tops[after] + heights[after] / 4)
-    else:
+    if legend and spare:
+        legend.place(page, lefts[-spare], tops[after] + heights[after] / 4)
+    elif legend:
         legend.place(page, (width - legend.width) / 2, beneath)
+
+
+def _columns(out: list[list[Overhang]], width: float) -> tuple[list[float], float]:
+    """Left edges of the columns' axes, and their one width."""
+    columns = max(len(line) for line in out)
+    sides = [[line[c] for line in out if c < len(line)] for c in range(columns)]
+    before = [max(each.left for each in side) for side in sides]
+    behind = [max(each.right for each in side) for side in sides]
+    panel = (width - 2 * _MARGIN - sum(before) - sum(behind) - _GAP * (columns - 1)) / columns
+    return [_MARGIN + sum(before[: c + 1]) + sum(behind[:c]) + c * (panel + _GAP) for c in range(columns)], panel
