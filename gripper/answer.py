@@ -15,6 +15,7 @@ from gripper.clearance import clearance
 from gripper.contact import Linearisation, Site, linearise
 from gripper.equilibrium import Equilibrium, Setting, kkt_step
 from gripper.grip import tipward
+from gripper.kept import Kept
 from gripper.kinematics import Placement
 from gripper.outline import Axis, Part, dot
 from gripper.result import Checks, Contact, ErrorEstimate, PoseResult, Shape
@@ -151,6 +152,7 @@ def pose_result(setting: Setting, answer: Answer, parameter: float | None, place
         iterations=answer.iterations,
         seconds=answer.seconds,
         shape=_shape(setting, equilibrium, placement),
+        kept=Kept(setting, equilibrium),
     )
 
 

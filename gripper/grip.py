@@ -8,8 +8,8 @@ slips against t; a contact that sticks has the ratio that lets it not slip.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import sympy
@@ -75,12 +75,15 @@ class Anchor:
         The place along the finger's piece.
     stretch
         |c'| there: length of the outline per unit of u.
+    origin
+        The equilibrium in which it began to stick, and the contact's number there; None where that is not known.
     """
 
     point: complex
     tangent: complex
     u: float
     stretch: float
+    origin: tuple[Any, int] | None = field(default=None, compare=False, repr=False)
 
 
 @dataclass(frozen=True)

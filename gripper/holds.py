@@ -118,6 +118,7 @@ def regripped(setting: Setting, equilibrium: Equilibrium, i: int, hold: int, ord
         grip = grip_of(equilibrium, j)
         if leader(grip.law.outline, equilibrium.state.sites, j) != i:
             continue
-        stuck = grip.sticking(lin.rubbing.ratios[i], lin.rubbing.anchors[j])
+        anchor = replace(lin.rubbing.anchors[j], origin=(equilibrium, j))
+        stuck = grip.sticking(lin.rubbing.ratios[i], anchor)
         sites[j] = replace(site, grip=grip.slipping(hold) if hold else stuck)
     return settle(setting, equilibrium.obstacle, replace(equilibrium.state, sites=tuple(sites)), order)

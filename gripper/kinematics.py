@@ -68,6 +68,10 @@ class Kinematics:
         values = self._values(parameter)
         return Placement((values[0], values[1], values[2]), (values[3], values[4], values[5]))
 
+    def turning(self, parameter: float) -> float:
+        """Rate of the clamp's angle with the parameter, in rad per unit."""
+        return self._values(parameter)[8]
+
     def frame(self, parameter: float) -> Frame:
         """The object relative to the clamp, lengths by L, with rates.
 
@@ -80,7 +84,7 @@ class Kinematics:
         inverse = cmath.exp(-1j * turn) / self.length
         origin = inverse * complex(xo - x, yo - y)
         velocity = inverse * complex(dxo - dx, dyo - dy) - 1j * dturn * origin
-        return Frame(origin, turn_o - turn, velocity, dturn_o - dturn)
+        return Frame(origin, turn_o - turn, velocity, dturn_o - dturn, parameter)
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,6 +18,8 @@ class Frame:
     angle: float
     velocity: complex
     spin: float
+    parameter: float | None = None
+    """The motion's, where the pose is one of a motion."""
 
 
 def _plane(points: Complex) -> Array:

@@ -9,6 +9,8 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from gripper.kept import Kept
+
 Vector = tuple[float, float]
 Status = Literal["free", "contact", "locked", "failed"]
 
@@ -201,6 +203,8 @@ class PoseResult(Record):
         CPU time of the pose with its checks and estimates.
     shape
         For drawing; None where it failed.
+    kept
+        For sensitivities; None where it failed, and in a copy from another process.
     """
 
     parameter: float | None
@@ -224,6 +228,7 @@ class PoseResult(Record):
     iterations: int = 0
     seconds: float = 0.0
     shape: Shape | None = dataclasses.field(default=None, compare=False, repr=False)
+    kept: Kept | None = dataclasses.field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -237,7 +242,7 @@ class PoseResult(Record):
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data, ready for JSON: without the shape, which is for drawing, and without work where none is kept."""
-        names = [field.name for field in dataclasses.fields(self) if field.name != "shape"]
+        names = [field.name for field in dataclasses.fields(self) if field.name not in ("shape", "kept")]
         written = (n for n in names if n not in ("work", "dissipation") or getattr(self, n) is not None)
         return {name: jsonable(getattr(self, name)) for name in written}
 

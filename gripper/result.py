@@ -16,9 +16,12 @@ from gripper.pose_result import Checks, Contact, ErrorEstimate, PoseResult, Reco
 from gripper.scene import Scene
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from matplotlib.figure import Figure
 
     from gripper.plot import Axis
+    from gripper.sensitivity import Sensitivity
 
 __all__ = [
     "Checks",
@@ -166,6 +169,35 @@ class Result:
     def contacts(self) -> tuple[Contact, ...]:
         """The contacts, ordered by s (one pose)."""
         return self.pose.contacts
+
+    def sensitivity(self, key: str) -> Sensitivity:
+        """Exact derivatives of everything by one number of the scene.
+
+        Parameters
+        ----------
+        key
+            As a scene file names it: ``"finger.tip_thickness"``, ``"object.pose.y"``, ``"friction.coefficient"``.
+
+        Raises
+        ------
+        LookupError
+            The scene has no number of this key; lists the known ones.
+        ValueError
+            A result whose equilibria are not known (from another process), or what cannot be differentiated.
+        """
+        return self.sensitivities([key])[key]
+
+    def sensitivities(self, keys: Sequence[str] | None = None) -> dict[str, Sensitivity]:
+        """Exact derivatives by several numbers of the scene at once, which costs little more than by one.
+
+        Parameters
+        ----------
+        keys
+            As :meth:`sensitivity` takes them; by default all of :func:`gripper.parameters.numbers`.
+        """
+        import gripper.sensitivity as exact  # here, because it reads results
+
+        return exact.sensitivities(self, keys)
 
     def to_dict(self) -> dict[str, Any]:
         """Write the contents of result.json: SI units, None where there is no answer, never NaN."""

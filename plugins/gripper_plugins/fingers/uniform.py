@@ -26,4 +26,4 @@ class Uniform(Finger):
 
     def w(self, s: sympy.Expr) -> sympy.Expr:
         """Write the thickness, in m."""
-        return sympy.Float(self.thickness)
+        return sympy.sympify(self.thickness)

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
+
+import sympy
 
 from gripper.fields import Positive, Rule
 from gripper.fingers import Jaw
@@ -50,8 +52,13 @@ class Triangle(Jaw):
 
     def polygon(self, thickness: float) -> tuple[tuple[float, float], ...]:
         """Corners (3, 2), in m, for a tip of this thickness (m): heel, point of the hook, far end."""
-        before = 1 / math.tan(self.return_angle)
-        height = self.length / (1 / math.tan(self.lead_angle) + before)
+        before = _cotangent(self.return_angle)
+        height = self.length / (_cotangent(self.lead_angle) + before)
         face = -thickness / 2
         corners = ((0.0, face), (height * before, face - height), (self.length, face))
         return corners if self.side == "lower" else tuple((x, -y) for x, y in corners)
+
+
+def _cotangent(angle: float | sympy.Expr) -> Any:
+    """Of a number, or of the symbol by which sensitivities are differentiated."""
+    return 1 / sympy.tan(angle) if isinstance(angle, sympy.Expr) else 1 / math.tan(angle)

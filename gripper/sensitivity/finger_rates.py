@@ -1,0 +1,116 @@
+"""What a finger's numbers change: stiffness, thickness, rigid outline, kinks and the two scales."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import sympy
+
+from gripper.arrays import Array, Complex
+from gripper.fingers import S
+from gripper.outline import UPPER, Outline
+from gripper.sensitivity.opened import derivatives, profile
+
+
+class FingerRates:
+    """Derivatives of a finger's dimensionless sections and outline by some of its numbers.
+
+    Everything is at a fixed sigma = s / L; the leading axis counts the numbers (p).
+
+    Parameters
+    ----------
+    outline
+        Of the finger.
+    values
+        The finger's and its material's numbers by their keys, as :class:`gripper.sensitivity.opened.Opened` names them.
+    """
+
+    def __init__(self, outline: Outline, values: Mapping[str, float]) -> None:
+        self.outline, self.sections = outline, outline.sections
+        finger, self.length = self.sections.finger, self.sections.length
+        formulas, symbols = profile(finger, values)
+        self.keys = tuple(symbols)
+        self.values = [values[key] for key in self.keys]
+        by = tuple(symbols[key] for key in self.keys)
+        expressions = (formulas.thickness, sympy.diff(formulas.thickness, S), formulas.bending, formulas.shear)
+        self._along = derivatives(expressions, (S, *by), (S, *by))
+        self._kinks = derivatives(formulas.kinks, by, by) if formulas.kinks else None
+        flat = tuple(value for point in formulas.jaw for value in point)
+        self._polygon = derivatives(flat, by, by) if flat else None
+        self.count = len(by)
+        self.log_length = np.array([1 / self.length if key == "length" else 0.0 for key in self.keys])
+        clamp = self._table(np.zeros(1))
+        self.log_stiffness = clamp[2:, 2, 0] / clamp[0, 2, 0]
+
+    def _table(self, sigma: Array) -> Array:
+        """w, w', EI, GA in SI, then their rates by s and by each number: (2 + p, 4, k)."""
+        found = self._along(sigma * self.length, *self.values)
+        table = np.empty((len(found), sigma.size))
+        for row, values in enumerate(found):
+            table[row] = values  # a constant fills its row
+        return table.reshape(2 + self.count, 4, sigma.size)
+
+    def thickness(self, sigma: Array) -> tuple[Array, Array]:
+        """Rates of w / L and of dw/ds, (p, k)."""
+        table, stretch = self._table(sigma), self.log_length[:, None]
+        w, slope, moved = table[0, 0] / self.length, table[1], sigma * self.length
+        thick = table[2:, 0] / self.length + stretch * (slope[0] * sigma - w)
+        return thick, table[2:, 1] + stretch * slope[1] * moved
+
+    def stiffness(self, sigma: Array, fields: int) -> tuple[Array, Array, Array]:
+        """EI over EI(0) and GA L^2 over EI(0): values and slopes by sigma (fields, k), rates (p, fields, k)."""
+        table = self._table(sigma)[:, 2 : 2 + fields]
+        unit = np.array([1.0, self.length**2])[:fields, None] / self.sections.bending_stiffness
+        powers = np.array([0.0, 2.0])[:fields, None]
+        values, slopes = table[0] * unit, table[1] * unit * self.length
+        stretch, stiffer = self.log_length[:, None, None], self.log_stiffness[:, None, None]
+        return values, slopes, table[2:] * unit + stretch * slopes * sigma + values * (powers * stretch - stiffer)
+
+    def kinks(self) -> tuple[Array, Array]:
+        """The profile's kinks by L (j,), and their rates (p, j)."""
+        if self._kinks is None:
+            return np.zeros(0), np.zeros((self.count, 0))
+        table = np.array(self._kinks(*self.values), dtype=float).reshape(1 + self.count, -1) / self.length
+        return table[0], table[1:] - self.log_length[:, None] * table[0]
+
+    def rigid(self) -> tuple[Complex, Complex]:
+        """Rates of start and direction of the outline's rigid pieces and corners, as it numbers them: (p, pieces)."""
+        outline, half = self.outline, self.thickness(np.ones(1))[0][:, 0] / 2
+        vertices = self._vertices()
+        edges = np.roll(vertices, -1, axis=1) - vertices
+        starts, directions = [], []
+        at = 0
+        for piece in outline.pieces[UPPER + 1 :]:
+            if piece.on == "tip":
+                starts.append(-1j * half)
+                directions.append(0j * half)
+                continue
+            starts.append(vertices[:, at])
+            turning = (piece.direction.conjugate() * edges[:, at]).imag / piece.length
+            directions.append(1j * piece.direction * turning)
+            at += 1
+        for corner in outline.corners:
+            starts.append(self._corner(corner.on, corner.point, half, vertices))
+            directions.append(0j * half)
+        shape = (len(starts), self.count)
+        return np.array(starts, dtype=complex).reshape(shape).T, np.array(directions, dtype=complex).reshape(shape).T
+
+    def _corner(self, on: str, point: complex, half: Array, vertices: Complex) -> Complex:
+        if on == "tip":
+            return np.sign(point.imag) * 1j * half
+        jaw: Any = self.outline.jaw
+        found: Complex = vertices[:, int(np.argmin(np.abs(jaw - point)))]
+        return found
+
+    def _vertices(self) -> Complex:
+        """Rates of the jaw's polygon, in the order of the outline's, (p, vertices)."""
+        if self._polygon is None:
+            return np.zeros((self.count, 0), dtype=complex)
+        table = np.array(self._polygon(*self.values), dtype=float).reshape(1 + self.count, -1, 2) / self.length
+        points = table[..., 0] + 1j * table[..., 1]
+        polygon, rates = points[0], points[1:] - self.log_length[:, None] * points[0]
+        jaw: Any = self.outline.jaw
+        order = [int(np.argmin(np.abs(polygon - vertex))) for vertex in jaw]
+        return rates[:, order]

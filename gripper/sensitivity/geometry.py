@@ -1,0 +1,128 @@
+"""A deflected finger read in its segments' own coordinates, and how that reading changes.
+
+At a fixed place of a segment (x in [-1, 1]) a strain of given Legendre coefficients c does not change when the
+segment's ends move: section rotations are bilinear in the segments' lengths h and c, and positions are linear in h.
+Contacts lie at ends of segments, or at fixed x in the segment of their patch. So a discretisation whose segments end
+at the contacts is differentiated with its ends moving: nothing is held still that a solution would move.
+
+Every change is one of a batch of d directions: the leading axis.
+"""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass
+
+import numpy as np
+
+from gripper.arrays import Array, Complex, Index
+from gripper.beam import Beam, legendre, legendre_integrals
+
+
+@dataclass(frozen=True, eq=False)
+class _Rule:
+    """Gauss points (q,) of a segment and what belongs to them."""
+
+    weights: Array  # (q,)
+    along: Array  # (x + 1) / 2, (q,)
+    modes: Array  # P_k, (q, m)
+    integrals: Array  # int_-1 P_k, (q, m)
+    interpolant: Array  # values at the points -> Legendre coefficients, (q, q)
+
+
+@functools.cache
+def _rule(count: int, modes: int) -> _Rule:
+    x, weights = np.polynomial.legendre.leggauss(count)
+    table = legendre(x, count)
+    interpolant = ((2 * np.arange(count) + 1) / 2)[:, None] * (weights * table.T)
+    integrals = legendre_integrals(legendre(x, modes + 1))
+    return _Rule(weights, (x + 1) / 2, table[:, :modes], integrals, interpolant)
+
+
+@dataclass(frozen=True, eq=False)
+class Marks:
+    """Linear maps to k stations, each at a fixed x of its segment."""
+
+    turns: Array  # psi = turns . (h c), (k, segments * modes)
+    places: Array  # position = places . (h / 2 exp(i theta)), (k, g)
+    modes: Array  # P_k at the station, (k, modes)
+    segment: Index  # (k,)
+
+
+@dataclass(frozen=True, eq=False)
+class Bending:
+    """Changes of a finger: of its segments' lengths, coefficients and, at the Gauss points, of exp(i theta)."""
+
+    lengths: Array  # (d, segments)
+    products: Array  # of h c, bending alone, (d, segments * modes)
+    runs: Complex  # of h / 2 exp(i theta), (d, g)
+    theta: Array  # (d, g)
+    coefficients: Array  # (d, fields, segments, modes)
+
+
+class Geometry:
+    """A beam of given unknowns, in its segments' own coordinates."""
+
+    def __init__(self, beam: Beam, z: Array) -> None:
+        self.beam = beam
+        self.lengths, self.segments, self.modes, self.fields = beam.lengths, beam.segments, beam.modes, beam.fields
+        self.count = beam.gauss.size // beam.segments
+        self.rule = _rule(self.count, self.modes)
+        self.coefficients = beam.coefficients(z)
+        self.strains = self.coefficients @ self.rule.modes.T  # at the Gauss points, (fields, segments, q)
+        self.products = (self.lengths[:, None] * self.coefficients[0]).ravel()
+        self.turns = self._turns()
+        theta = self.turns @ self.products
+        if self.fields == 2:
+            theta = theta + self.strains[1].ravel()
+        self.direction = np.exp(1j * theta)
+        self.halves = np.repeat(self.lengths / 2, self.count)
+        self.runs = self.halves * self.direction
+
+    def _turns(self) -> Array:
+        """psi at the Gauss points = turns . (h c), (g, segments * modes)."""
+        turns = np.zeros((self.segments, self.count, self.segments, self.modes))
+        turns[:, :, :, 0] = np.tri(self.segments, k=-1)[:, None, :]
+        each = np.arange(self.segments)
+        turns[each, :, each, :] += self.rule.integrals / 2
+        return turns.reshape(self.segments * self.count, -1)
+
+    @functools.cached_property
+    def whitening(self) -> Array:
+        """From unknowns to coefficients, block by block: (fields, segments, modes, modes)."""
+        columns = np.eye(self.modes)[:, None, None, :]
+        units = np.broadcast_to(columns, (self.modes, self.segments, self.fields, self.modes))
+        return np.stack([self.beam.coefficients(unit.ravel()) for unit in units], axis=-1)
+
+    def pulled(self, covectors: Array) -> Array:
+        """Derivatives by coefficients (d, fields, segments, modes) as derivatives by the unknowns (d, n)."""
+        out = np.einsum("fekj,dfek->defj", self.whitening, covectors)
+        return out.reshape(len(covectors), self.beam.size)
+
+    def pushed(self, unknowns: Array) -> Array:
+        """Changes of the unknowns (d, n) as changes of the coefficients (d, fields, segments, modes)."""
+        blocks = unknowns.reshape(-1, self.segments, self.fields, self.modes)
+        return np.einsum("fekj,defj->dfek", self.whitening, blocks)
+
+    def marks(self, x: Array, segment: Index) -> Marks:
+        """The maps to stations x (k,) in [-1, 1] of segments (k,)."""
+        k, each = x.size, np.arange(x.size)
+        table = legendre(x, max(self.count, self.modes) + 1)
+        integrals = legendre_integrals(table)
+        before = (np.arange(self.segments) < segment[:, None]).astype(float)
+        turns = np.zeros((k, self.segments, self.modes))
+        turns[:, :, 0] = before
+        turns[each, segment] += integrals[:, : self.modes] / 2
+        places = before[:, :, None] * self.rule.weights
+        places[each, segment] = integrals[:, : self.count] @ self.rule.interpolant
+        return Marks(turns.reshape(k, -1), places.reshape(k, -1), table[:, : self.modes], segment)
+
+    def bent(self, lengths: Array, coefficients: Array) -> Bending:
+        """The changes that follow from those of lengths (d, segments) and coefficients (d, fields, segments, modes)."""
+        products = lengths[:, :, None] * self.coefficients[0] + self.lengths[:, None] * coefficients[:, 0]
+        flat = products.reshape(len(lengths), self.products.size)
+        theta = flat @ self.turns.T
+        if self.fields == 2:
+            theta = theta + (coefficients[:, 1] @ self.rule.modes.T).reshape(theta.shape)
+        runs = self.direction * (np.repeat(lengths / 2, self.count, axis=1) + 1j * self.halves * theta)
+        return Bending(lengths, flat, runs, theta, coefficients)

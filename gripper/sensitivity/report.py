@@ -1,0 +1,181 @@
+"""Sensitivities as plain data: of each pose, by each number of the scene."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from gripper.kept import Kept
+from gripper.parameters import number, numbers
+from gripper.pose_result import PoseResult, Record, Vector, jsonable
+from gripper.sensitivity.limits import refusal, side
+from gripper.sensitivity.numbers import Table, free_rates, pose_rates
+from gripper.sensitivity.seeds import Seeds
+
+if TYPE_CHECKING:
+    from gripper.result import Result
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class PoseSensitivity(Record):
+    """Derivatives of a pose's numbers by one number of the scene: SI units, world frame unless named otherwise.
+
+    Parameters
+    ----------
+    parameter
+        The motion's parameter; None in a scene without motion.
+    kind
+        "exact"; "one-sided" where the contacts or their holds change at this very pose: on the other side of the
+        change derivatives differ; "none" where there is no derivative, and all are None.
+    reason
+        Why it is one-sided or none.
+    force_on_object, force_on_object_finger_frame, moment_on_object, motion_force, clamp_moment, energy, tip, \
+tip_rotation, max_strain
+        Derivatives of what :class:`gripper.pose_result.PoseResult` calls so.
+    """
+
+    parameter: float | None
+    kind: Literal["exact", "one-sided", "none"] = "exact"
+    reason: str | None = None
+    force_on_object: Vector | None = None
+    force_on_object_finger_frame: Vector | None = None
+    moment_on_object: float | None = None
+    motion_force: float | None = None
+    clamp_moment: float | None = None
+    energy: float | None = None
+    tip: Vector | None = None
+    tip_rotation: float | None = None
+    max_strain: float | None = None
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Sensitivity(Record):
+    """Exact derivatives of a result by one number of its scene.
+
+    Parameters
+    ----------
+    key
+        The number.
+    value
+        What it is, in SI units.
+    poses
+        One entry a pose.
+
+    Of a result of one pose, that pose's derivatives are its own: ``sensitivity.energy``.
+    """
+
+    key: str
+    value: float
+    poses: tuple[PoseSensitivity, ...]
+
+    @property
+    def pose(self) -> PoseSensitivity:
+        """The only pose; ValueError where there are several or where it has no derivative."""
+        if len(self.poses) > 1:
+            raise ValueError(f"this sensitivity holds {len(self.poses)} poses: use .poses[i]; got no i")
+        if self.poses[0].kind == "none":
+            raise ValueError(f"the pose has no derivative: {self.poses[0].reason}")
+        return self.poses[0]
+
+    @property
+    def energy(self) -> float | None:
+        """Of the strain energy (one pose)."""
+        return self.pose.energy
+
+    @property
+    def force_on_object(self) -> Vector | None:
+        """Of the force on the object (one pose)."""
+        return self.pose.force_on_object
+
+    @property
+    def max_strain(self) -> float | None:
+        """Of the largest strain (one pose)."""
+        return self.pose.max_strain
+
+    def to_dict(self) -> dict[str, object]:
+        """Plain data, ready for JSON."""
+        found: dict[str, object] = jsonable(self)
+        return found
+
+
+def sensitivities(result: Result, keys: Sequence[str] | None = None) -> dict[str, Sensitivity]:
+    """Exact derivatives of a result, by key.
+
+    Parameters
+    ----------
+    result
+        From :func:`gripper.solve` or :func:`gripper.trace` in this process.
+    keys
+        Numbers of its scene; by default all.
+
+    Raises
+    ------
+    LookupError
+        An unknown number; lists the known ones.
+    ValueError
+        A result whose equilibria are not known, or a scene that cannot be differentiated.
+    """
+    scene = result.scene
+    keys = list(numbers(scene)) if keys is None else list(dict.fromkeys(keys))
+    values = {key: number(scene, key) for key in keys}
+    refusal(scene)
+    kept = [_kept(pose) for pose in result.poses]
+    first = next((k for k in kept if k is not None), None)
+    if first is None:
+        tables: list[list[PoseSensitivity]] = [[_none(pose, pose.reason) for _ in keys] for pose in result.poses]
+    else:
+        seeds = Seeds(scene, first.setting, keys)
+        tables = [_of_pose(result, seeds, pose, k) for pose, k in zip(result.poses, kept, strict=True)]
+    return {
+        key: Sensitivity(key=key, value=values[key], poses=tuple(table[i] for table in tables))
+        for i, key in enumerate(keys)
+    }
+
+
+def _kept(pose: PoseResult) -> Kept | None:
+    if pose.status in ("contact", "free") and pose.kept is None:
+        raise ValueError(
+            "result must come from gripper.solve or gripper.trace in this process: its equilibria are never written "
+            "or pickled; got one without"
+        )
+    return pose.kept if pose.status in ("contact", "free") else None
+
+
+def _of_pose(result: Result, seeds: Seeds, pose: PoseResult, kept: Kept | None) -> list[PoseSensitivity]:
+    """The derivatives of one pose by all numbers."""
+    if kept is None:
+        return [_none(pose, pose.reason)] * len(seeds.keys)
+    kind, reason = side(result, pose, kept)
+    if kind == "none":
+        return [_none(pose, reason)] * len(seeds.keys)
+    if not kept.equilibrium.state.sites:
+        return _rows(free_rates(seeds, kept.equilibrium), pose, seeds, kind, reason)
+    try:
+        table = pose_rates(seeds, kept.equilibrium)
+    except np.linalg.LinAlgError:
+        return [_none(pose, "the equilibrium is at a limit point, where its derivatives are infinite")] * len(
+            seeds.keys
+        )
+    return _rows(table, pose, seeds, kind, reason)
+
+
+def _none(pose: PoseResult, reason: str | None) -> PoseSensitivity:
+    return PoseSensitivity(parameter=pose.parameter, kind="none", reason=reason)
+
+
+def _rows(
+    table: Table, pose: PoseResult, seeds: Seeds, kind: Literal["exact", "one-sided"], reason: str | None
+) -> list[PoseSensitivity]:
+    fields = {f.name for f in dataclasses.fields(PoseSensitivity)}
+    return [
+        PoseSensitivity(
+            parameter=pose.parameter,
+            kind=kind,
+            reason=reason,
+            **{name: rates[i] for name, rates in table.items() if name in fields},
+        )
+        for i in range(len(seeds.keys))
+    ]

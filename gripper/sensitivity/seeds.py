@@ -1,0 +1,263 @@
+"""What the numbers of a scene change in the dimensionless problem of one pose: the directions of forward mode."""
+
+from __future__ import annotations
+
+import cmath
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import sympy
+
+from gripper.arrays import Array, Complex
+from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting
+from gripper.friction import Coefficients
+from gripper.grip import Anchor
+from gripper.kinematics import Kinematics
+from gripper.outline import LOWER, UPPER, dot
+from gripper.parameters import numbers
+from gripper.scene import Scene
+from gripper.sensitivity.finger_rates import FingerRates
+from gripper.sensitivity.flow import Change
+from gripper.sensitivity.object_rates import ObjectRates
+from gripper.sensitivity.tangent import Rates, rates
+from gripper.sensitivity.touching import Span, Touching
+
+_POSES = ("x", "y", "angle")
+
+
+@dataclass(frozen=True, eq=False)
+class FrameRates:
+    """Rates of a pose's frames, by each number: the object's by L in the clamp's axes, the clamp's in the world."""
+
+    origin: Complex
+    angle: Array
+    velocity: Complex
+    clamp: Complex  # in m
+    clamp_angle: Array
+
+
+@dataclass(frozen=True, eq=False)
+class AnchorRates:
+    """Rates of an anchor (:class:`gripper.grip.Anchor`), by each number."""
+
+    point: Complex
+    tangent: Complex
+    u: Array
+    stretch: Array
+
+
+def anchor_rates(t: Touching, span: Span, found: Rates, frames: FrameRates) -> AnchorRates:
+    """Rates of where a contact is, as an anchor."""
+    at, (middle, _) = span.queries, t.middle(span)
+    frame, moved = t.obstacle.frame, found.flow
+    back = cmath.exp(-1j * frame.angle)
+    presses, leans = t.press[at], moved.presses[:, at]
+    turning = (presses.conj() * leans).imag / np.abs(presses) ** 2
+    units = -1j * presses / np.abs(presses)
+    mean = complex(middle @ units)
+    tangent = mean / abs(mean)
+    leaning = (mean.conjugate() * ((1j * units * turning) @ middle)).imag / abs(mean) ** 2
+    point = (complex(middle @ t.points[at]) - frame.origin) * back
+    lengths = np.abs(t.tangents[at])
+    stretching = dot(t.tangents[at], moved.tangents[:, at]) / np.where(lengths > 0, lengths, 1.0)
+    return AnchorRates(
+        (moved.points[:, at] @ middle - frames.origin) * back - 1j * frames.angle * point,
+        1j * tangent * back * (leaning - frames.angle),
+        found.change.queries[:, at] @ middle,
+        stretching @ middle,
+    )
+
+
+class Seeds:
+    """The directions of some numbers of a scene.
+
+    Parameters
+    ----------
+    scene, setting
+        What is solved.
+    keys
+        Numbers, as :func:`gripper.parameters.numbers` names them; by default all.
+
+    Raises
+    ------
+    LookupError
+        An unknown number; lists the known ones.
+    NotOpenError
+        A plugin whose formulas sympy cannot differentiate.
+    """
+
+    def __init__(self, scene: Scene, setting: Setting, keys: Sequence[str]) -> None:
+        known = numbers(scene)
+        for key in keys:
+            if key not in known:
+                rule = "be a number that the scene has, to be differentiated by"
+                raise ValueError(f"{key} must {rule} (without friction there is no side to slip to); got none")
+        self.scene, self.setting, self.keys = scene, setting, tuple(keys)
+        self._origins: dict[int, tuple[Equilibrium, Touching, FrameRates, Rates]] = {}
+        self.kinematics = Kinematics(scene, setting.sections.length)
+        finger = {self._inner(key): known[key] for key in keys if self._table(key) == "finger"}
+        body = {key.split(".", 1)[1]: known[key] for key in keys if self._table(key) == "object"}
+        self.finger = FingerRates(setting.outline, finger)
+        self.object = ObjectRates(setting.body, body)
+        self._finger_rows = np.array([keys.index(self._outer(key)) for key in self.finger.keys], dtype=np.intp)
+        self._object_rows = np.array([keys.index(f"object.{key}") for key in body], dtype=np.intp)
+        self.log_length = self.spread(self.finger.log_length)
+        self.log_stiffness = self.spread(self.finger.log_stiffness)
+
+    @staticmethod
+    def _table(key: str) -> str:
+        head, *rest = key.split(".")
+        if head == "material":
+            return "finger"
+        return "pose" if rest and rest[0] == "pose" else head
+
+    @staticmethod
+    def _inner(key: str) -> str:
+        return key if key.startswith("material.") else key.split(".", 1)[1]
+
+    @staticmethod
+    def _outer(key: str) -> str:
+        return key if key.startswith("material.") else f"finger.{key}"
+
+    def spread(self, rates: Array) -> Array:
+        """Rates by the finger's numbers as rates by all."""
+        out = np.zeros(len(self.keys))
+        out[self._finger_rows] = rates
+        return out
+
+    @property
+    def log_force(self) -> Array:
+        """Relative rates of EI(0) / L^2."""
+        return self.log_stiffness - 2 * self.log_length
+
+    @property
+    def log_energy(self) -> Array:
+        """Relative rates of EI(0) / L."""
+        return self.log_stiffness - self.log_length
+
+    def frames(self, parameter: float | None) -> FrameRates:
+        """Rates of the frames at a value of the motion's parameter."""
+        kinematics, value = self.kinematics, parameter or 0.0
+        frame, turning = kinematics.frame(value), kinematics.turning(value)
+        clamp = kinematics.placement(value).clamp
+        back = cmath.exp(-1j * clamp[2]) / kinematics.length
+        body, held = (self._shifts(name) for name in ("object", "finger"))
+        origin = back * (body[0] - held[0]) - frame.origin * (1j * held[1] + self.log_length)
+        drift = frame.velocity + 1j * turning * frame.origin
+        velocity = -drift * (1j * held[1] + self.log_length) - 1j * turning * origin
+        return FrameRates(origin, body[1] - held[1], velocity, held[0], held[1])
+
+    def _shifts(self, name: str) -> tuple[Complex, Array]:
+        """Rates of a pose in the world: place and angle."""
+        x, y, angle = (np.array([float(key == f"{name}.pose.{axis}") for key in self.keys]) for axis in _POSES)
+        return x + 1j * y, angle
+
+    def touching(self, equilibrium: Equilibrium) -> Touching:
+        """An equilibrium read at its contacts."""
+        return Touching(self.setting, equilibrium, self.finger)
+
+    def change(self, touching: Touching, frames: FrameRates) -> Change:
+        """The directions of all numbers at an equilibrium."""
+        change = Change.none(touching, len(self.keys))
+        self._of_finger(touching, change)
+        self._of_object(touching, change, frames)
+        self._of_friction(touching, change)
+        self._of_sticking(touching, change, frames)
+        return change
+
+    def _of_sticking(self, t: Touching, change: Change, frames: FrameRates) -> None:
+        """Contacts that stick remember where they began to, which the numbers change too."""
+        turn = cmath.exp(1j * t.obstacle.frame.angle)
+        for span in t.spans:
+            if not span.sticks:
+                continue
+            stick, side = t.stick(span), t.side(span.site)
+            moved = self.anchors(stick.anchor)
+            tangent = stick.tangent * 1j * frames.angle + turn * moved.tangent
+            start = 1j * frames.angle * stick.anchor.point * turn + turn * moved.point + frames.origin
+            slips = _dot(tangent, stick.point - stick.start) - _dot(start, stick.tangent)
+            if span.site.unknown_places:
+                slips += side * moved.u * stick.stretch
+            change.slips[:, span.ratio] = slips - side * stick.way * moved.stretch / 2
+
+    def anchors(self, anchor: Anchor) -> AnchorRates:
+        """Rates of where a contact began to stick.
+
+        The motion's parameter there may be held: what slip it would add is 0, where slip ends or the motion turns.
+
+        Raises
+        ------
+        NoEquilibriumError
+            Where the equilibrium in which it began to is not known.
+        """
+        if anchor.origin is None:
+            raise NoEquilibriumError("a contact sticks from its first touch on, or from a change of face or edge")
+        equilibrium, number = anchor.origin
+        if id(equilibrium) not in self._origins:
+            touching, frames = self.touching(equilibrium), self.frames(equilibrium.obstacle.frame.parameter)
+            found = rates(touching, self.change(touching, frames))
+            self._origins[id(equilibrium)] = equilibrium, touching, frames, found
+        _, touching, frames, found = self._origins[id(equilibrium)]
+        return anchor_rates(touching, touching.spans[number], found, frames)
+
+    def _of_finger(self, t: Touching, change: Change) -> None:
+        rows = self._finger_rows
+        change.stiffness[rows] = t.stiffness[2]
+        kinks, rates = self.finger.kinks()
+        for kink, rate in zip(kinks, rates.T, strict=True):
+            nearest = int(np.argmin(np.abs(np.array(t.beam.breaks) - kink)))
+            change.breaks[rows, nearest] = rate
+        face = t.piece <= UPPER
+        if face.any():
+            sign = (t.piece[face] - 0.5) * 1j
+            thick, slope = self.finger.thickness(t.u[face])
+            change.offsets[np.ix_(rows, face)] = sign * thick
+            change.offset_slopes[np.ix_(rows, face)] = sign * slope
+        if not face.all():
+            starts, directions = self.finger.rigid()
+            rigid = t.piece[~face] - (UPPER + 1)
+            change.offsets[np.ix_(rows, ~face)] = starts[:, rigid] + t.u[~face] * directions[:, rigid]
+            change.offset_slopes[np.ix_(rows, ~face)] = directions[:, rigid]
+
+    def _of_object(self, t: Touching, change: Change, frames: FrameRates) -> None:
+        """The object moves, turns, is scaled by 1 / L, and changes its own shape."""
+        obstacle, origin = t.obstacle, t.obstacle.frame.origin
+        arm = t.points - origin
+        turning, stretch = frames.angle[:, None], self.log_length[:, None]
+        passing = frames.origin[:, None] + 1j * turning * arm
+        change.gaps[:] = stretch * (dot(t.normal, arm) - t.gap) - dot(t.normal, passing)
+        change.normals[:] = t.curved(stretch * arm - passing) + 1j * turning * t.normal
+        g, gradient = self.object.at(obstacle.local(t.points))
+        turn = cmath.exp(1j * obstacle.frame.angle)
+        change.gaps[self._object_rows] += g / self.setting.sections.length
+        change.normals[self._object_rows] += gradient * turn
+        corners = self.object.corners() * turn / self.setting.sections.length
+        for span in t.spans:
+            if span.site.kind == "vertex":
+                at, vertex = span.queries.start, span.site.vertex
+                out = obstacle.corners[vertex] - origin
+                change.vertices[:, at] = frames.origin + (1j * frames.angle - self.log_length) * out
+                change.vertices[self._object_rows, at] += corners[:, vertex]
+
+    def _of_friction(self, t: Touching, change: Change) -> None:
+        friction = self.scene.friction
+        if friction is None:
+            return
+        varies = bool(sympy.sympify(friction.finger).free_symbols)
+        for span in t.spans:
+            grip = span.site.grip
+            if grip is None or grip.hold != "slip":
+                continue
+            on = t.setting.outline.place(span.site.piece, np.zeros(1))[0]
+            own = isinstance(friction.coefficient, Coefficients) and on == "jaw"
+            mine = ("friction.coefficient", "friction.coefficient.jaw" if own else "friction.coefficient.finger")
+            change.ratios[[key in mine for key in self.keys], span.queries] = -grip.sense
+            if varies and not own:
+                s = float(np.mean(t.s[span.queries]))
+                steep = -grip.sense * grip.law.at(LOWER, s)[1] * s  # at a fixed part of the length
+                change.ratios[:, span.queries] += (steep * self.log_length)[:, None]
+
+
+def _dot(vectors: Complex, one: complex) -> Array:
+    return dot(vectors, np.asarray(one))

@@ -1,0 +1,136 @@
+"""The rates of an equilibrium in any direction: one linear system, its segments' ends moving with the contacts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from gripper.arrays import Array
+from gripper.contact import pressure_rule
+from gripper.outline import dot
+from gripper.sensitivity.flow import Change, Flow, flow, load_rates
+from gripper.sensitivity.touching import Span, Touching
+
+
+@dataclass(frozen=True, eq=False)
+class Residual:
+    """Rates of the equations: dV/dz - Q_z, C, R."""
+
+    stationarity: Array  # (d, n)
+    values: Array  # (d, m)
+    places: Array  # (d, k)
+
+    @property
+    def stacked(self) -> Array:
+        """All equations of each direction, (d, n + m + k)."""
+        return np.concatenate([self.stationarity, self.values, self.places], axis=1)
+
+
+@dataclass(frozen=True, eq=False)
+class Rates:
+    """The rates of an equilibrium: the whole change that it undergoes, and what follows."""
+
+    change: Change
+    flow: Flow
+    unknowns: Array  # (d, n)
+    multipliers: Array  # (d, m)
+    places: Array  # (d, k)
+    energy: Array  # (d,)
+
+
+def residual(touching: Touching, change: Change) -> Residual:
+    """How far a change puts the equations off."""
+    moved = flow(touching, change)
+    stress = stiffness_rates(touching, change) @ touching.geometry.rule.modes
+    out = touching.geometry.pulled(stress - load_rates(touching, change, moved))
+    return Residual(out, *_contact(touching, change, moved))
+
+
+def stiffness_rates(touching: Touching, change: Change) -> Array:
+    """Rates of weight times stiffness times strain at the Gauss points, (d, fields, segments, q)."""
+    geometry = touching.geometry
+    lengths = np.diff(change.breaks, axis=1)
+    moved = change.breaks[:, :-1, None] + lengths[:, :, None] * geometry.rule.along
+    shape = (geometry.fields, geometry.segments, geometry.count)
+    stiff, slope = (v.reshape(shape) for v in touching.stiffness[:2])
+    rates = change.stiffness.reshape(-1, *shape) + slope * moved[:, None]
+    wide = geometry.lengths[:, None] * rates + lengths[:, None, :, None] * stiff
+    out: Array = wide * (geometry.rule.weights / 2) * geometry.strains
+    return out
+
+
+def _contact(t: Touching, change: Change, moved: Flow) -> tuple[Array, Array]:
+    """Rates of C and R."""
+    count = len(change.breaks)
+    values, places = np.zeros((count, t.rows)), np.zeros((count, t.columns))
+    slopes = dot(moved.normals, t.tangents) + dot(t.normal, moved.tangents)
+    for span in t.spans:
+        site, at = span.site, span.queries.start
+        if site.kind in ("patch", "tail"):
+            mean = pressure_rule(site.modes, t.beam.order)[1]
+            inner = slice(at, at + mean.shape[1])
+            values[:, span.row : span.row + site.modes] = moved.gaps[:, inner] @ mean.T
+            ends = slice(span.column, span.column + site.unknown_places)
+            places[:, ends] = moved.gaps[:, inner.stop : span.queries.stop]
+        elif site.kind == "vertex":
+            away, unit = moved.points[:, at] - change.vertices[:, at], t.tangents[at] / abs(t.tangents[at])
+            values[:, span.row], places[:, span.column] = dot(t.press[at], away), dot(unit, away)
+        else:
+            values[:, span.row] = moved.gaps[:, at]
+            if site.unknown_places:
+                places[:, span.column] = slopes[:, at]
+        if span.sticks:
+            places[:, span.ratio] = slip_rates(t, span, change, moved)
+    return values, places
+
+
+def slip_rates(t: Touching, span: Span, change: Change, moved: Flow) -> Array:
+    """Rates of the slip of a contact that sticks since it began to (:mod:`gripper.rubbing`)."""
+    stick, at, (middle, _) = t.stick(span), span.queries, t.middle(span)
+    lengths = np.abs(t.tangents[at])
+    units = t.tangents[at] / np.where(lengths > 0, lengths, 1.0)
+    stretch = dot(units, moved.tangents[:, at]) @ middle / 2
+    way = change.queries[:, at] @ middle if span.site.unknown_places else 0.0
+    along = dot(np.asarray(stick.tangent), moved.points[:, at] @ middle)
+    rates: Array = along - t.side(span.site) * (way * stick.stretch + stick.way * stretch) + change.slips[:, span.ratio]
+    return rates
+
+
+def matrix(touching: Touching) -> Array:
+    """The system's matrix in (z, multipliers, places)."""
+    lin = touching.equilibrium.linear
+    n, m = lin.gradients.shape[1], len(lin.values)
+    out = np.zeros((n + m + touching.columns,) * 2)
+    out[:n, :n] = np.eye(n) - lin.hessian
+    out[:n, n : n + m] = -lin.loads.T
+    out[n : n + m, :n], out[n + m :, :n] = lin.gradients, lin.residual_gradients
+    out[:, n + m :] = residual(touching, _placed(touching)).stacked.T
+    return out
+
+
+def _placed(touching: Touching) -> Change:
+    """One direction for each unknown place."""
+    breaks, queries, ratios = touching.moves
+    return replace(Change.none(touching, touching.columns), breaks=breaks, queries=queries, ratios=ratios)
+
+
+def rates(touching: Touching, change: Change) -> Rates:
+    """The rates of the equilibrium for changes of what is given."""
+    off = residual(touching, change)
+    n, m = off.stationarity.shape[1], touching.rows
+    solution = -np.linalg.solve(matrix(touching), off.stacked.T).T
+    unknowns, multipliers, places = solution[:, :n], solution[:, n : n + m], solution[:, n + m :]
+    breaks, queries, ratios = touching.moves
+    weights = [touching.spread(s.site, multipliers[:, s.row : s.row + s.site.multipliers]) for s in touching.spans]
+    whole = replace(
+        change,
+        breaks=change.breaks + places @ breaks,
+        queries=change.queries + places @ queries,
+        ratios=change.ratios + places @ ratios,
+        coefficients=touching.geometry.pushed(unknowns),
+        weights=np.concatenate([np.zeros((len(unknowns), 0)), *weights], axis=1),
+    )
+    stored = np.einsum("dfeq,feq->d", stiffness_rates(touching, whole), touching.geometry.strains) / 2
+    energy = unknowns @ touching.equilibrium.state.z + stored
+    return Rates(whole, flow(touching, whole), unknowns, multipliers, places, energy)

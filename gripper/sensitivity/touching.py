@@ -1,0 +1,220 @@
+"""The queries of an equilibrium: every point at which its contact equations read the outline and the object."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from gripper.arrays import Array, Complex, Index
+from gripper.contact import Site, pressure_rule
+from gripper.equilibrium import Equilibrium, Setting
+from gripper.grip import Anchor, leader
+from gripper.outline import UPPER, dot
+from gripper.sensitivity.finger_rates import FingerRates
+from gripper.sensitivity.geometry import Geometry, Marks
+
+_SPREAD = ("patch", "tail")
+
+
+@dataclass(frozen=True, eq=False)
+class Span:
+    """One contact among the queries, constraints and unknown places."""
+
+    site: Site
+    queries: slice
+    row: int
+    column: int
+    sticks: bool
+    """Whether its ratio of friction is unknown."""
+
+    @property
+    def ratio(self) -> int:
+        """The number of its ratio among the unknown places."""
+        return self.column + self.site.unknown_places
+
+
+@dataclass(frozen=True)
+class Stick:
+    """Where a contact that sticks is, from where it began to."""
+
+    anchor: Anchor
+    tangent: complex  # at the anchor, in the clamp's axes
+    start: complex
+    point: complex
+    way: float  # along the finger's piece
+    stretch: float
+
+
+def _unknown(site: Site) -> bool:
+    return site.grip is not None and site.grip.unknown
+
+
+def _query(site: Site, order: int) -> Array:
+    if site.kind not in _SPREAD:
+        return np.array(site.place or (0.0,))
+    a, b = site.place
+    gauss = (a + b) / 2 + (b - a) / 2 * pressure_rule(site.modes, order)[0]
+    return np.append(gauss, site.place[: site.unknown_places])
+
+
+class Touching:
+    """An equilibrium read at its contacts.
+
+    Parameters
+    ----------
+    setting
+        Finger, theory and object.
+    equilibrium
+        Converged, its segments ending at its contacts.
+    finger
+        Gives the stiffness, its slope along the finger and its rates.
+    """
+
+    def __init__(self, setting: Setting, equilibrium: Equilibrium, finger: FingerRates) -> None:
+        self.setting, self.equilibrium, self.obstacle = setting, equilibrium, equilibrium.obstacle
+        state = equilibrium.state
+        self.beam, self.sites = state.beam, state.sites
+        self.geometry = Geometry(state.beam, state.z)
+        self.stiffness = finger.stiffness(state.beam.gauss, state.beam.fields)
+        self._lay_out(state.multipliers)
+        self._read()
+
+    def _lay_out(self, multipliers: Array) -> None:
+        spans, queries, weights = [], [], []
+        first = row = column = 0
+        for site in self.sites:
+            u = _query(site, self.beam.order)
+            load = multipliers[row : row + site.multipliers]
+            spans.append(Span(site, slice(first, first + len(u)), row, column, _unknown(site)))
+            queries.append(u)
+            weights.append(self.spread(site, load[None])[0])
+            first, row, column = first + len(u), row + site.multipliers, column + site.unknowns
+        self.spans, self.rows, self.columns = tuple(spans), row, column
+        none = np.zeros(0)
+        self.u, self.weights = np.concatenate([none, *queries]), np.concatenate([none, *weights])
+        self.piece = np.repeat(
+            np.array([site.piece for site in self.sites], dtype=np.intp), [len(u) for u in queries] or 0
+        )
+
+    def spread(self, site: Site, load: Array) -> Array:
+        """Force along grad g at a contact's queries (d, queries) from its multipliers (d, multipliers)."""
+        if site.kind not in _SPREAD:
+            return load[:, :1]
+        mean = pressure_rule(site.modes, self.beam.order)[1]
+        return np.pad(load @ mean, ((0, 0), (0, site.unknown_places)))
+
+    def _segments(self) -> tuple[Index, Index]:
+        """The segments before and after each query (one and the same inside a segment)."""
+        breaks, last = np.array(self.beam.breaks), self.beam.segments - 1
+        left, right = np.full((2, self.u.size), last)
+        for span in self.spans:
+            site, at = span.site, span.queries
+            if not site.on_face:
+                continue
+            if site.kind in _SPREAD:
+                places = np.clip(self.u[at], site.place[0] + 1e-12, site.place[1] - 1e-12)
+                left[at] = right[at] = np.clip(np.searchsorted(breaks, places) - 1, 0, last)
+                continue
+            nearest = int(np.argmin(np.abs(breaks - site.place[0])))
+            left[at], right[at] = max(nearest - 1, 0), min(nearest, last)
+        return left, right
+
+    def _read(self) -> None:
+        """Points, tangents, normals and forces at the queries."""
+        geometry = self.geometry
+        left, right = self._segments()
+        s, P, P1, P2 = self.setting.outline.offsets(self.piece, self.u)
+        self.s, self.offset, self.offset_slope, self.offset_bend = s, P, P1, P2
+        before, after = (self._local(s, segment) for segment in (left, right))
+        self.marks: Marks = geometry.marks(before, left)
+        beyond = geometry.marks(after, right) if np.any(left != right) else self.marks
+        self.sides = (self.marks, beyond)
+        self.turn = np.exp(1j * (self.marks.turns @ geometry.products))
+        self.points = self.marks.places @ geometry.runs + P * self.turn
+        self.flexible = (self.piece <= UPPER).astype(float)
+        self.shears = [np.exp(1j * self._strain(1, side)) for side in self.sides]
+        self.kappa = self.flexible * (self._strain(0, self.sides[0]) + self._strain(0, self.sides[1])) / 2
+        shear = (self.shears[0] + self.shears[1]) / 2
+        self.tangents = self.turn * (self.flexible * shear + P1 + 1j * self.kappa * P)
+        self.gap, self.normal, (self._a, self._b) = self.obstacle.curvature(self.points)
+        self._lean()
+
+    def _local(self, s: Array, segment: Index) -> Array:
+        x = (s - self.beam.starts[segment]) / (self.beam.lengths[segment] / 2) - 1
+        return np.where(np.abs(np.abs(x) - 1) < 1e-3, np.sign(x), x)
+
+    def _strain(self, field: int, marks: Marks) -> Array:
+        if field >= self.geometry.fields:
+            return np.zeros(self.u.size)
+        return np.einsum("km,km->k", marks.modes, self.geometry.coefficients[field][marks.segment])
+
+    def _lean(self) -> None:
+        """Directions of the forces: along grad g, or the face's normal at a corner of the object, and friction's."""
+        rubbing = self.equilibrium.linear.rubbing
+        self.ratio = np.zeros(self.u.size)
+        self.press = self.normal.copy()
+        for i, span in enumerate(self.spans):
+            if rubbing is not None:
+                self.ratio[span.queries] = rubbing.ratios[i]
+            if span.site.kind == "vertex":
+                at = span.queries.start
+                self.press[at] = self.side(span.site) * 1j * self.tangents[at] / abs(self.tangents[at])
+        self.incline = 1 - 1j * self.ratio
+        self.forces = self.weights * self.incline * self.press
+
+    def stick(self, span: Span) -> Stick:
+        """A contact that sticks, and its anchor."""
+        grip, frame, at, (middle, _) = span.site.grip, self.obstacle.frame, span.queries, self.middle(span)
+        if grip is None or grip.anchor is None:
+            raise ValueError("a contact that sticks must have an anchor; got none")
+        anchor, turn = grip.anchor, np.exp(1j * frame.angle)
+        way = float(middle @ self.u[at]) - anchor.u if span.site.unknown_places else 0.0
+        stretch = (anchor.stretch + float(middle @ np.abs(self.tangents[at]))) / 2
+        point = complex(middle @ self.points[at])
+        return Stick(anchor, anchor.tangent * turn, anchor.point * turn + frame.origin, point, way, stretch)
+
+    def middle(self, span: Span) -> tuple[Array, float]:
+        """Weights of a contact's queries in its middle, and the slope of its ratio of friction along the piece."""
+        weights = np.zeros(span.queries.stop - span.queries.start)
+        if span.site.kind in _SPREAD:
+            mean = pressure_rule(span.site.modes, self.beam.order)[1][0]
+            weights[: mean.size] = mean
+        else:
+            weights[0] = 1.0
+        if span.site.grip is None:
+            return weights, 0.0
+        return weights, span.site.grip.ratios(span.site.piece, float(weights @ self.u[span.queries]))[1]
+
+    @staticmethod
+    def side(site: Site) -> float:
+        """1 where the finger's inside lies left of the piece's tangent, -1 on the upper face."""
+        return -1.0 if site.piece == UPPER else 1.0
+
+    def curved(self, vectors: Complex) -> Complex:
+        """The Hessian of g at each query times vectors (d, queries)."""
+        return self._a * vectors + self._b * vectors.conj()
+
+    @functools.cached_property
+    def moves(self) -> tuple[Array, Array, Array]:
+        """What each unknown place moves: ends (places, segments + 1), queries and ratios (places, queries)."""
+        breaks = np.zeros((self.columns, len(self.beam.breaks)))
+        queries, ratios = np.zeros((2, self.columns, self.u.size))
+        for span in self.spans:
+            site = span.site
+            for j in range(site.unknown_places):
+                unit = replace(site, place=tuple(float(i == j) for i in range(len(site.place))))
+                queries[span.column + j, span.queries] = _query(unit, self.beam.order)
+                for mark, rate in zip(site.breaks(), unit.breaks(), strict=True):
+                    nearest = int(np.argmin(np.abs(np.array(self.beam.breaks) - mark)))
+                    if 0 < nearest < len(self.beam.breaks) - 1:
+                        breaks[span.column + j, nearest] += rate
+            if site.grip is not None and site.grip.hold == "stick":
+                first = leader(site.grip.law.outline, self.sites, self.spans.index(span))
+                ratios[self.spans[first].ratio, span.queries] = 1.0
+        return breaks, queries, ratios
+
+    def along(self, vectors: Complex) -> Array:
+        """Scalar products of vectors (d, queries) with the normals."""
+        return dot(self.normal, vectors)

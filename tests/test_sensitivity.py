@@ -1,0 +1,210 @@
+"""Sensitivities: against differences of the same discrete equations, of whole solves, and laws that they must obey."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import pickle
+
+import numpy as np
+import pytest
+
+import gripper as gr
+from gripper.active import Verified
+from gripper.answer import Answer, pose_result
+from gripper.assemble import setting
+from gripper.certificate import survey
+from gripper.equilibrium import settle
+from gripper.kinematics import Kinematics
+from gripper.parameters import numbers, replaced
+from gripper.sensitivity import PoseSensitivity
+from gripper.sensitivity.opened import NotOpenError
+from gripper_plugins.fingers.tapered import Tapered
+from gripper_plugins.objects.circle import Circle
+from gripper_plugins.objects.ellipse import Ellipse
+from tests.scenes import PLASTIC, RUBBER, follow, micro_assembly, rotating_finger, unit_finger
+
+ROUGH, SLIPPERY = gr.Friction(coefficient=0.3), gr.Friction(coefficient=0.2)
+NAMES = [f.name for f in dataclasses.fields(PoseSensitivity) if f.name not in ("parameter", "kind", "reason")]
+MOTIONS = {
+    "I, lead face": micro_assembly(0.086, 0.0678),
+    "I, hook's corner": micro_assembly(0.086, 0.0629),
+    "I, lead face, slipping": micro_assembly(0.086, 0.0678, friction=ROUGH),
+    "I, hook's corner, slipping": micro_assembly(0.086, 0.055, friction=ROUGH),
+    "II": rotating_finger(-0.1016, 0.0),
+    "II, bending": rotating_finger(-0.1016, 0.0508, theory="bending"),
+    "II, slipping": rotating_finger(-0.1016, 0.0, friction=SLIPPERY),
+    "II, slipping the other way": rotating_finger(-0.1016, 0.06, friction=SLIPPERY),
+}
+
+
+def read(pose, name):
+    """A number of a pose, as an array."""
+    return np.array(getattr(pose, name), dtype=float)
+
+
+def solved(scene, state, parameter):
+    """The pose of a scene on the segments of a known state, cut anew until they end at its contacts."""
+    fixed = setting(scene)
+    kinematics = Kinematics(scene, fixed.sections.length)
+    law = fixed.friction
+    grips = [site.grip and dataclasses.replace(site.grip, law=law) for site in state.sites]
+    sites = tuple(dataclasses.replace(site, grip=grip) for site, grip in zip(state.sites, grips, strict=True))
+    state = dataclasses.replace(state, sites=sites)
+    for _ in range(3):
+        equilibrium = settle(fixed, fixed.obstacle(kinematics.frame(parameter)), state, state.beam.order)
+        state = equilibrium.state
+    answer = Answer(Verified(equilibrium, survey(fixed, equilibrium.obstacle, state)), 0.0, 0.0, 0)
+    return pose_result(fixed, answer, parameter, kinematics.placement(parameter))
+
+
+@pytest.mark.parametrize("motion", MOTIONS)
+def test_derivatives_are_those_of_the_discrete_equations_by_every_number(motion):
+    scene = MOTIONS[motion]
+    *_, last = follow(scene)
+    result = gr.trace(scene)
+    for key, sensitivity in result.sensitivities().items():
+        value, exact = numbers(scene)[key], sensitivity.poses[-1]
+        step = 2e-4 * (abs(value) or 1e-2)
+        shifted = {
+            n: solved(replaced(scene, {key: value + n * step}), last.equilibrium.state, scene.motion.values[-1])
+            for n in (-2, -1, 1, 2)
+        }
+        assert exact.kind == "exact"
+        for name in NAMES:
+            near, far = (read(shifted[n], name) - read(shifted[-n], name) for n in (1, 2))
+            size = max(np.abs(read(shifted[1], name)).max(), 1e-5) / (abs(value) or 1.0)
+            np.testing.assert_allclose(
+                read(exact, name), (8 * near - far) / (12 * step), rtol=1e-5, atol=1e-6 * size, err_msg=f"{key} {name}"
+            )
+
+
+def test_a_contact_that_sticks_remembers_through_its_derivatives_where_it_began_to():
+    scene = rotating_finger(-0.1016, 0.0, 0.04, 0.049, friction=SLIPPERY)  # sticks from 0.0477 on
+    result = gr.trace(scene)
+    assert result.poses[-1].contacts[0].state == "stick"
+    for key in ("object.pose.y", "finger.tip_thickness", "friction.coefficient"):
+        exact, value = result.sensitivity(key).poses[-1], numbers(scene)[key]
+        step = 1e-3 * value
+        there, back = (gr.trace(replaced(scene, {key: value + h})).poses[-1] for h in (step, -step))
+        for name in ("energy", "force_on_object", "max_strain"):
+            differences = (read(there, name) - read(back, name)) / (2 * step)
+            np.testing.assert_allclose(read(exact, name), differences, rtol=1e-3, err_msg=f"{key} {name}")
+
+
+ELLIPTIC = gr.Scene(
+    finger=Tapered(length=0.1778, base_thickness=0.030, tip_thickness=0.017, width=0.025, material=RUBBER),
+    object=Ellipse(semi_axes=(0.0495, 0.0337)).at(x=0.1207, y=-0.0508, angle=-1.5708),
+)
+
+
+@pytest.mark.parametrize("key", ["finger.length", "finger.tip_thickness", "material.poisson_ratio", "object.pose.y"])
+def test_derivatives_are_those_of_whole_solves_to_about_the_tolerance(key):
+    exact, value = gr.solve(ELLIPTIC).sensitivity(key), numbers(ELLIPTIC)[key]
+    step = 1e-3 * value
+    there, back = (gr.solve(replaced(ELLIPTIC, {key: value + h})).pose for h in (step, -step))
+    for name in ("energy", "force_on_object", "max_strain", "tip"):
+        differences = (read(there, name) - read(back, name)) / (2 * step)
+        error = np.linalg.norm(read(exact.pose, name) - differences) / np.linalg.norm(differences)
+        assert error < 10 * ELLIPTIC.tolerance, name
+
+
+def scaled(result, keys, name):
+    """Sum of number times derivative over some keys."""
+    found = result.sensitivities(keys)
+    return sum(read(found[key].pose, name) * found[key].value for key in keys)
+
+
+def test_moduli_scale_forces_and_lengths_their_square():
+    result = gr.solve(ELLIPTIC)
+    moduli = [key for key in numbers(ELLIPTIC) if key.endswith("_modulus")]
+    lengths = [key for key in numbers(ELLIPTIC) if not key.startswith("material") and not key.endswith("angle")]
+    for keys, power in ((moduli, 1), (lengths, 2)):
+        force = np.array(result.force_on_object)
+        np.testing.assert_allclose(scaled(result, keys, "force_on_object"), power * force, rtol=1e-7)
+    np.testing.assert_allclose(scaled(result, lengths, "tip"), result.tip, rtol=1e-7)
+    assert abs(scaled(result, lengths, "max_strain")) < 1e-7 * result.max_strain
+
+
+def test_the_force_is_the_energys_derivative_by_the_objects_place():
+    result = gr.solve(ELLIPTIC)
+    slopes = [result.sensitivity(f"object.pose.{axis}").energy for axis in ("x", "y", "angle")]
+    expected = [*(-f for f in result.force_on_object), -result.moment_on_object]
+    np.testing.assert_allclose(slopes, expected, rtol=1e-6)  # to the discretisation's error
+    for axis in ("x", "y"):
+        moved = [np.array(result.sensitivity(f"{part}.pose.{axis}").force_on_object) for part in ("object", "finger")]
+        np.testing.assert_allclose(moved[0], -moved[1], rtol=1e-12)
+
+
+def test_a_uniform_finger_on_a_circle_is_a_line_on_a_circle_of_half_its_thickness_more():
+    finger = unit_finger(0.06)
+    scene = gr.Scene(finger=finger, object=Circle(radius=0.2).at(x=0.6, y=-0.15), theory="bending")
+    result = gr.solve(scene)
+    by_radius, by_thickness = result.sensitivity("object.radius"), result.sensitivity("finger.thickness")
+    stiffer = 3 * result.energy / finger.thickness  # EI falls with w^3
+    assert by_thickness.energy == pytest.approx(by_radius.energy / 2 + stiffer, rel=1e-9)
+
+
+def test_where_the_contacts_change_derivatives_are_one_sided_and_say_so():
+    passing = gr.trace(micro_assembly(0.086, 0.068, 0.062))
+    change = next(event for event in passing.events if event.kind == "change")
+    at = gr.trace(micro_assembly(0.086, 0.068, change.parameter, 0.062)).sensitivity("object.radius").poses[2]
+    assert at.kind == "one-sided"
+    assert "end" in at.reason or "change" in at.reason
+    sides = [
+        gr.trace(micro_assembly(0.086, change.parameter + h)).sensitivity("object.radius").poses[1].motion_force
+        for h in (1e-7, -1e-7)
+    ]
+    assert abs(sides[0] - sides[1]) > 0.1 * abs(sides[0])
+    assert min(abs(at.motion_force - side) for side in sides) < 1e-3 * abs(at.motion_force)
+
+
+def test_a_free_finger_moves_with_its_clamp_alone():
+    scene = micro_assembly(0.086)
+    result = gr.trace(dataclasses.replace(scene, finger=scene.finger.at(angle=0.001)))
+    assert result.poses[0].status == "free"
+    turned, longer = (result.sensitivity(key).pose for key in ("finger.pose.angle", "finger.length"))
+    assert longer.force_on_object == (0, 0)
+    np.testing.assert_allclose(turned.tip, [-0.057 * math.sin(0.001), 0.057 * math.cos(0.001)], rtol=1e-12)
+    np.testing.assert_allclose(longer.tip, [math.cos(0.001), math.sin(0.001)], rtol=1e-12)
+
+
+def test_a_pose_without_an_answer_has_no_derivative_and_says_why():
+    scene = micro_assembly(0.086, 0.06, friction=gr.Friction(coefficient=3.0))
+    result = gr.trace(scene)
+    assert result.poses[1].status == "locked"
+    found = result.sensitivity("finger.thickness").poses[1]
+    assert found.kind == "none"
+    assert found.reason == result.poses[1].reason
+    assert found.energy is None
+
+
+def test_what_has_no_derivative_is_refused():
+    result = gr.solve(ELLIPTIC)
+    with pytest.raises(LookupError, match=r"unknown number 'finger\.tip_thicknes'"):
+        result.sensitivity("finger.tip_thicknes")
+    with pytest.raises(ValueError, match=r"friction\.coefficient must be a number that the scene has"):
+        result.sensitivity("friction.coefficient")
+    with pytest.raises(ValueError, match="equilibria are never written or pickled"):
+        pickle.loads(pickle.dumps(result)).sensitivity("finger.length")
+    published = gr.Friction(coefficient=0.1, model="published", sense="tipward")
+    with pytest.raises(ValueError, match="model of friction must be 'coulomb'"):
+        gr.solve(dataclasses.replace(ELLIPTIC, friction=published)).sensitivity("finger.length")
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Deaf(gr.Finger):
+    """A finger whose formula takes no symbols."""
+
+    thickness: gr.Positive
+
+    def w(self, s):
+        """Write a thickness that is rounded to a micrometre."""
+        return math.floor(self.thickness * 1e6) / 1e6
+
+
+def test_a_plugin_that_sympy_cannot_differentiate_is_named():
+    finger = Deaf(length=0.1, thickness=0.004, width=0.01, material=PLASTIC)
+    scene = gr.Scene(finger=finger, object=Circle(radius=0.01).at(x=0.06, y=-0.009))
+    with pytest.raises(NotOpenError, match=r"Deaf must be written so that its formulas take sympy's symbols"):
+        gr.solve(scene).sensitivity("finger.thickness")
