@@ -133,6 +133,7 @@ def pose_result(setting: Setting, answer: Answer, parameter: float | None, place
     free = float(np.max(np.abs(forces), initial=0.0)) <= NO_FORCE
     moment = -cross(points - equilibrium.obstacle.frame.origin, forces)
     position, psi, _, _ = Axis.of(state.beam, state.z).values(np.ones(1), np.array([state.beam.segments - 1]))
+    strain, strain_s = largest_strain(setting, equilibrium)
     return PoseResult(
         parameter=parameter,
         status="free" if free else "contact",
@@ -144,7 +145,8 @@ def pose_result(setting: Setting, answer: Answer, parameter: float | None, place
         energy=state.energy * scales.energy_scale,
         tip=_vector(placement.origin + turn * complex(position[0]) * scales.length),
         tip_rotation=float(psi[0]),
-        max_strain=_max_strain(setting, equilibrium),
+        max_strain=strain,
+        max_strain_s=None if free else strain_s * scales.length,
         min_gap=clearance(setting, answer.verified) * scales.length,
         contacts=() if free else contacts(setting, equilibrium, placement),
         checks=checks,
@@ -172,8 +174,8 @@ def drive(equilibrium: Equilibrium) -> float:
     return float(np.sum(dot(forces, equilibrium.obstacle.velocities(points))))
 
 
-def _max_strain(setting: Setting, equilibrium: Equilibrium) -> float:
-    """Largest abs(kappa) w / 2, kappa from the moment of the contact forces beyond each section.
+def largest_strain(setting: Setting, equilibrium: Equilibrium) -> tuple[float, float]:
+    """Largest abs(kappa) w / 2, kappa from the moment of the contact forces beyond each section, and its s (by L).
 
     The moment of the forces is as good as the forces; kappa of the strain fields is right in the mean only.
     """
@@ -188,7 +190,17 @@ def _max_strain(setting: Setting, equilibrium: Equilibrium) -> float:
         places = u if site.on_face else np.full(u.size, 2.0)
         beyond = places[None, :] > middle[:, None]
         moment += np.sum(beyond * ((points[None, :] - position[:, None]).conj() * forces).imag, axis=1)
-    return float(np.max(np.abs(moment) / setting.sections.EI(s) * setting.sections.thickness(s) / 2))
+    strain = np.abs(moment) / setting.sections.EI(s) * setting.sections.thickness(s) / 2
+    return _vertex(s, strain, int(np.argmax(strain)))
+
+
+def _vertex(x: Array, y: Array, i: int) -> tuple[float, float]:
+    """The largest value near the largest sample and its place: a parabola's, where neighbours are on both sides."""
+    if not (0 < i < x.size - 1 and x[i - 1] < x[i] < x[i + 1]):
+        return float(y[i]), float(x[i])
+    fall, rise = y[i] - y[i - 1], y[i] - y[i + 1]
+    off = (fall - rise) / (2 * (fall + rise)) if fall + rise else 0.0
+    return float(y[i] + (fall - rise) * off / 4), float(x[i] + off * (x[i + 1] - x[i]))
 
 
 def contacts(setting: Setting, equilibrium: Equilibrium, placement: Placement) -> tuple[Contact, ...]:

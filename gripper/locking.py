@@ -18,7 +18,7 @@ from gripper.arrays import Array
 from gripper.contact import linearise
 from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, settle
 from gripper.grip import Grip, dressed, leader, tipward
-from gripper.holds import slip_rates
+from gripper.holds import coefficient, grip_of, leaders, slip_rates
 
 _REAL = 1e-6
 _FINITE = 1e4
@@ -58,6 +58,16 @@ def limiting_ratio(setting: Setting, equilibrium: Equilibrium, i: int, sign: flo
     ratios: Array = above[finite] / below[finite]
     real = ratios.real[np.abs(ratios.imag) < _REAL * np.abs(ratios)]
     return float(np.min(np.abs(real[real * sign > 0]), initial=math.inf))
+
+
+def nearness(setting: Setting, equilibrium: Equilibrium, heading: float) -> float:
+    """How near friction is to locking the finger: mu over its limiting value, of the contact where that is largest."""
+    nearest = 0.0
+    for i in leaders(equilibrium):
+        grip = grip_of(equilibrium, i)
+        side = -grip.sense if grip.sense else -heading * np.sign(free_slip(setting, equilibrium, i))
+        nearest = max(nearest, coefficient(equilibrium, i) / limiting_ratio(setting, equilibrium, i, side))
+    return nearest
 
 
 def _opened(setting: Setting, equilibrium: Equilibrium, i: int, ratio: float) -> Equilibrium:

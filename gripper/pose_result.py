@@ -189,8 +189,8 @@ class PoseResult(Record):
         With friction along a motion: work put in by the drive, and energy lost, since the motion began, in J.
     tip, tip_rotation
         Neutral axis at s = L, in m; psi(L) relative to the clamp, in rad.
-    max_strain
-        Largest abs(eps) + abs(kappa) w / 2.
+    max_strain, max_strain_s
+        Largest abs(eps) + abs(kappa) w / 2, and where (m from the clamp; None where nothing bends it).
     min_gap
         Smallest distance of the outlines, in m; negative: depth.
     contacts
@@ -221,6 +221,7 @@ class PoseResult(Record):
     tip: Vector | None = None
     tip_rotation: float | None = None
     max_strain: float | None = None
+    max_strain_s: float | None = None
     min_gap: float | None = None
     contacts: tuple[Contact, ...] = ()
     checks: Checks = Checks()

@@ -11,9 +11,11 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 from gripper import report
 from gripper.describe import describe
+from gripper.extremes import Extremes
 from gripper.loop import Loop
 from gripper.pose_result import Checks, Contact, ErrorEstimate, PoseResult, Record, Shape, Status, Vector, jsonable
 from gripper.scene import Scene
+from gripper.summary import Summary, summarised
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -96,6 +98,8 @@ class Result:
         For figures and reports; the scene's by default.
     loop
         Of a motion with friction: peak forces there and back, work and dissipation; else None.
+    extremes
+        What is largest or least on the way, located between the poses; None where it was not followed.
 
     A result of one pose gives that pose's numbers itself: ``result.force_on_object`` is
     ``result.poses[0].force_on_object``. Where there are several poses, or the only one failed, these raise
@@ -108,6 +112,7 @@ class Result:
     events: tuple[Event, ...] = ()
     title: str = ""
     loop: Loop | None = None
+    extremes: Extremes | None = None
 
     def __post_init__(self) -> None:
         if not self.poses:
@@ -199,6 +204,10 @@ class Result:
 
         return exact.sensitivities(self, keys)
 
+    def summary(self) -> Summary:
+        """The numbers of the whole motion, peaks located between its poses."""
+        return summarised(self)
+
     def to_dict(self) -> dict[str, Any]:
         """Write the contents of result.json: SI units, None where there is no answer, never NaN."""
         loop = {"loop": jsonable(self.loop)} if self.loop else {}
@@ -210,6 +219,7 @@ class Result:
             "model": jsonable(self.model),
             "poses": [pose.to_dict() for pose in self.poses],
             "events": jsonable(self.events),
+            "summary": jsonable(self.summary()),
         } | loop
 
     def curve_csv(self) -> str:

@@ -18,7 +18,7 @@ from gripper.locking import LockedError, check_locked
 from gripper.obstacle import Frame
 from gripper.result import Model, PoseResult, Result
 from gripper.scene import Scene
-from gripper.splitting import NOTE, split
+from gripper.splitting import NOTE, is_published, split
 
 NOT_MODELLED = (
     "stretch of the axis",
@@ -33,19 +33,14 @@ _FURTHEST = 20.0  # of L: beyond this no retreat is tried
 def model(scene: Scene, fixed: Setting) -> Model:
     """What is solved for this scene, and what is not."""
     other = "strain" if fixed.sections.finger.material.plane == "stress" else "stress"
-    notes = (f"plane {other}", *NOT_MODELLED) + ((NOTE,) if published(scene) else ())
+    notes = (f"plane {other}", *NOT_MODELLED) + ((NOTE,) if is_published(scene) else ())
     return Model(theory=fixed.theory, left_out=left_out(scene), not_modelled=notes)
-
-
-def published(scene: Scene) -> bool:
-    """Whether the scene asks for the paper's friction."""
-    return scene.friction is not None and not scene.friction.absent and scene.friction.model == "published"
 
 
 def numbers(scene: Scene, fixed: Setting, answer: Answer, parameter: float | None, placement: Placement) -> PoseResult:
     """The plain numbers of a pose, in the scene's model of friction."""
     pose = pose_result(fixed, answer, parameter, placement)
-    if scene.friction is None or not published(scene):
+    if scene.friction is None or not is_published(scene):
         return pose
     return split(fixed, law(scene.friction, fixed.outline, fixed.sections.length), answer, placement, pose)
 

@@ -13,12 +13,18 @@ import numpy as np
 
 from gripper.answer import Answer, cross
 from gripper.arrays import Complex
-from gripper.equilibrium import Setting
+from gripper.equilibrium import Equilibrium, Setting
 from gripper.grip import Law, tipward
 from gripper.kinematics import Placement
 from gripper.result import Checks, PoseResult
+from gripper.scene import Scene
 
 NOTE = "equilibrium with friction: the paper's approximation, its frictionless shape with forces split afterwards"
+
+
+def is_published(scene: Scene) -> bool:
+    """Whether the scene asks for the paper's friction."""
+    return scene.friction is not None and not scene.friction.absent and scene.friction.model == "published"
 
 
 def split(setting: Setting, law: Law, answer: Answer, placement: Placement, pose: PoseResult) -> PoseResult:
@@ -38,17 +44,23 @@ def split(setting: Setting, law: Law, answer: Answer, placement: Placement, pose
     if len(pose.contacts) != 1:
         reason = f"the published friction model takes one contact; here are {len(pose.contacts)}"
         return PoseResult.failed(pose.parameter, reason, pose.iterations, pose.seconds)
-    equilibrium = answer.verified.equilibrium
+    found = split_forces(law, answer.verified.equilibrium)
+    if found is None:
+        reason = "the published friction model gives no force: the moment of friction exceeds the normal force's"
+        return PoseResult.failed(pose.parameter, reason, pose.iterations, pose.seconds)
+    return _with(setting, answer, placement, pose, *found)
+
+
+def split_forces(law: Law, equilibrium: Equilibrium) -> tuple[Complex, float] | None:
+    """Forces of the first contact on the finger (k,), over EI(0) / L^2, and their ratio; None where there are none."""
     site, lin = equilibrium.state.sites[0], equilibrium.linear
     ratio = -law.tipward * tipward(site, law.outline) * law.at(site.piece, site.middle)[0]
     points, normals = np.concatenate(lin.points), np.concatenate(lin.forces)
     forces = normals * (1 - 1j * ratio)
     moment = cross(points, forces)
     if moment * cross(points, normals) <= 0:
-        reason = "the published friction model gives no force: the moment of friction exceeds the normal force's"
-        return PoseResult.failed(pose.parameter, reason, pose.iterations, pose.seconds)
-    forces = forces * (cross(points, normals) / moment)
-    return _with(setting, answer, placement, pose, forces, ratio)
+        return None
+    return forces * (cross(points, normals) / moment), ratio
 
 
 def _with(

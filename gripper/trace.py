@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from gripper.assemble import first_order, setting
 from gripper.equilibrium import NoEquilibriumError, Setting
+from gripper.events import Along
+from gripper.extremes import Extreme, Extremes
 from gripper.frictional import FrictionTracker, tracker_for
 from gripper.kinematics import Kinematics
+from gripper.located import Course, measures, ways
 from gripper.locking import LockedError
 from gripper.loop import Loop
 from gripper.result import Event, PoseResult, Result
 from gripper.scene import Scene
 from gripper.solve import approach, model, numbers
 from gripper.tracker import Tracker
+from gripper.watch import Watch
 
 INTERRUPTED = "interrupted"
 """Reason of the poses that an interruption left without an answer."""
@@ -82,6 +86,9 @@ class _Follower:
         self.scene, self.fixed, self.kinematics = scene, fixed, kinematics
         self.tracker: Tracker | None = None
         self.order = first_order(scene.tolerance)
+        self.watch = Watch(fixed, kinematics, measures(scene, fixed))
+        self.locked: Extreme | None = None
+        self._ways = iter(ways(scene.motion.values if scene.motion else ()))
 
     @property
     def events(self) -> list[Event]:
@@ -91,24 +98,30 @@ class _Follower:
 
     def result(self, poses: list[PoseResult]) -> Result:
         """The motion so far, with these poses."""
+        loop = self.loop()
         return Result(
             title=self.scene.title,
             scene=self.scene,
             model=model(self.scene, self.fixed),
             poses=tuple(poses),
             events=tuple(self.events),
-            loop=self.loop(),
+            loop=loop,
+            extremes=self.extremes(poses, loop),
         )
 
     def pose(self, value: float) -> PoseResult:
         """The result at the next value of the parameter."""
         began = time.process_time()
+        self.watch.leg, self.watch.heading = next(self._ways)
         try:
             if self.tracker is None:
                 self.tracker = self._begin(value)
+                self.tracker.watch = self.watch
             answer = self.tracker.advance(value)
+            self.watch.stand(Along(value, answer.verified.equilibrium))
             pose = numbers(self.scene, self.fixed, answer, value, self.kinematics.placement(value))
         except LockedError as error:
+            self.locked = Extreme(value=error.mu / error.limit, parameter=value)
             pose = PoseResult(parameter=value, status="locked", reason=str(error))
         except NoEquilibriumError as error:
             iterations = self.tracker.iterations if self.tracker else 0
@@ -142,6 +155,13 @@ class _Follower:
             work_out=tracker.balance.given_back * unit,
             dissipation=tracker.balance.loss * unit,
         )
+
+    def extremes(self, poses: Sequence[PoseResult], loop: Loop | None) -> Extremes:
+        """What was largest on the way."""
+        order = self.tracker.order if self.tracker else self.order
+        snapped = any(event.kind == "snap" for event in self.events)
+        course = Course(self.scene, self.fixed, self.watch, order, poses, snapped, loop, self.locked)
+        return course.extremes()
 
     def _begin(self, value: float) -> Tracker:
         try:

@@ -17,6 +17,7 @@ from gripper.contact import Site
 from gripper.equilibrium import NoEquilibriumError, Setting, State, settle
 from gripper.events import STRUT, Along, Change, Path, changes, head_on
 from gripper.snap import descend, distance
+from gripper.watch import Watch
 
 _LONGEST = 0.1  # of L
 _SHALLOW = 0.02  # of L: how deep a sharp corner may sink before the first contact is looked for
@@ -52,6 +53,9 @@ class Tracker:
     NoEquilibriumError
         Where the straight finger is not free at the start.
     """
+
+    watch: Watch | None = None
+    """Told of every step in contact, if there."""
 
     def __init__(
         self,
@@ -248,6 +252,9 @@ class Tracker:
         self.parameter, self.current = following, found
         if self.events:
             self.changes += changed
+        if self.watch:
+            broken = [change.parameter for change in changed if change.kind != "snap"]
+            self.watch.note(before, Along(following, found.equilibrium), broken, self.order)
 
     def _snap(self, following: float, error: NoEquilibriumError) -> None:
         """A little beyond the last equilibrium, where forces no longer nearly balance: descend to the next."""

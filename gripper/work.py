@@ -88,20 +88,33 @@ def pace(setting: Setting, path: Path, at: Along, heading: float) -> Pace:
     NoEquilibriumError
         At a limit point.
     """
+    further, step = nudged(setting, path, at, heading)
+    now = _numbers(at.equilibrium, heading)
+    if not step:
+        return _still(now)
+    return _tabled(now, (_numbers(further, heading) - now) / step)
+
+
+def nudged(setting: Setting, path: Path, at: Along, heading: float) -> tuple[Equilibrium, float]:
+    """The state a little further along the tangent, and how far; 0 where object and clamp do not move.
+
+    Raises
+    ------
+    NoEquilibriumError
+        At a limit point.
+    """
     equilibrium = at.equilibrium
     rates = tangent(equilibrium)
     fast = speed(equilibrium)
     if fast < STILL:
-        return _still(_numbers(equilibrium, heading))
+        return equilibrium, 0.0
     small = heading * _SMALL / fast
     state = equilibrium.state.moved(*(small * rate for rate in rates))
     if any(site.kind in ("patch", "tail") for site in state.sites):
         state = state.on(setting.beam(state.sites, state.beam.order))  # narrow segments must end where the patch does
     obstacle = setting.obstacle(path.frame(at.parameter + small))
     lin = linearise(state.beam, state.z, setting.outline, obstacle, state.sites, state.multipliers)
-    further = Equilibrium(state, obstacle, lin, 0)
-    now, then = _numbers(equilibrium, heading), _numbers(further, heading)
-    return _tabled(now, (then - now) / small)
+    return Equilibrium(state, obstacle, lin, 0), small
 
 
 def _tabled(numbers: Array, rates: Array) -> Pace:

@@ -36,6 +36,7 @@ NUMBERS = [
     "tip",
     "tip_rotation",
     "max_strain",
+    "max_strain_s",
     "min_gap",
 ]
 POSE_KEYS = {"parameter", "status", "reason", *NUMBERS, "contacts", "checks", "error", "iterations", "seconds"}
@@ -117,7 +118,7 @@ def numbers_of(value: object) -> list[float]:
 
 def test_to_dict_has_every_key_of_the_contract_and_no_other() -> None:
     written = result().to_dict()
-    assert set(written) == {"schema", "title", "scene", "versions", "model", "poses", "events"}
+    assert set(written) == {"schema", "title", "scene", "versions", "model", "poses", "events", "summary"}
     assert written["schema"] == 1
     assert written["versions"] == {name: version(name) for name in ("gripper", "numpy", "scipy", "sympy")}
     assert written["model"] == {
