@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator
+import shutil
+import subprocess
+from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.artist import Artist
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from numpy.typing import NDArray
 
 from gripper.plot.curve import curve
 from gripper.plot.draw import Key, draw, frame
@@ -21,8 +24,9 @@ from gripper.plot.units import parameter_unit
 from gripper.result import PoseResult, Result
 
 if TYPE_CHECKING:
-    from PIL.Image import Image
+    from PIL import Image as Images
 
+Pixels = NDArray[np.uint8]
 Progress = Callable[[int, int], None]
 WIDTH = 0.12
 """Width on which a film is laid out, in m: its type is legible at two thirds of that."""
@@ -79,7 +83,7 @@ def animate(
     if not pixels >= 100:
         raise ValueError(f"pixels must be at least 100; got {pixels!r}")
     chosen = _chosen(len(result.poses), seconds)
-    rate = min(max(len(chosen) / seconds, _SLOWEST), _FASTEST)
+    rate = round(min(max(len(chosen) / seconds, _SLOWEST), _FASTEST))
     with styled():
         film = _Film(result, chosen, mirror, pixels)
         draft = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
@@ -97,7 +101,7 @@ def _chosen(poses: int, seconds: float) -> list[int]:
 
 
 class _Film:
-    """A figure that shows one pose after the other; its layout is made once, so that nothing trembles."""
+    """A figure that shows one pose after the other: what moves is drawn over what stays, so that nothing trembles."""
 
     def __init__(self, result: Result, chosen: list[int], mirror: Axis | None, pixels: int) -> None:
         self.result, self.chosen = result, chosen
@@ -109,8 +113,10 @@ class _Film:
         everything = [each for panel in self.drawn.values() for each in panel]
         self.key = Key.of(list(self.drawn.values()))
         self.window = union([extent(each, self.key.arrow) for each in everything])
-        self.artists: list[Artist] = []
         self._lay_out(pixels)
+        self.canvas = _canvas(self.figure)
+        self.canvas.draw()
+        self.stays = self.canvas.copy_from_bbox(self.figure.bbox)
 
     def _lay_out(self, pixels: int) -> None:
         inches = WIDTH / INCH
@@ -121,83 +127,90 @@ class _Film:
         frame(self.scene, self.window, self.key)
         self.scene.set_title("free")
         curve(self.result, ax=self.curve)
-        self.cursor = self.curve.axvline(0.0, color=INK, linewidth=1.0)
         rows = [Row([self.scene], aspect), Row([self.curve], inches=1.2)]
-        legend = Legend(self.figure, self.key, 0.94 * inches)
-        arrange(self.figure, rows, self.result.title, legend)
+        arrange(self.figure, rows, self.result.title, Legend(self.figure, self.key, 0.94 * inches))
         height = 2 * round(self.figure.get_figheight() * self.figure.dpi / 2)  # MP4 wants even numbers of pixels
         self.figure.set_size_inches((pixels // 2 * 2 + 0.01) / self.figure.dpi, (height + 0.01) / self.figure.dpi)
+        start = self.unit.factor * (self.result.poses[0].parameter or 0.0)
+        self.cursor = self.curve.axvline(start, color=INK, linewidth=1.0, animated=True)
+        self.scene.title.set_animated(True)
 
-    def show(self, i: int) -> None:
-        """Show pose i."""
-        for artist in self.artists:
-            artist.remove()
-        self.artists = []
+    def rendered(self, i: int) -> Pixels:
+        """Give the picture of pose i: (height, width, 3)."""
         answer: PoseResult = self.result.poses[i]
         panel = self.drawn.get(i, [])
-        for each in panel:
-            self.artists += draw(self.scene, each, self.key)
+        moves = [artist for each in panel for artist in draw(self.scene, each, self.key)]
         self.scene.set_title(caption(self.result.parameter, self.unit, answer, self.key, len(panel)), parse_math=False)
         self.cursor.set_xdata([self.unit.factor * (answer.parameter or 0.0)] * 2)
+        self.canvas.restore_region(self.stays)
+        for artist in sorted(moves, key=lambda each: each.get_zorder()):
+            self.scene.draw_artist(artist)
+        self.scene.draw_artist(self.scene.title)
+        self.curve.draw_artist(self.cursor)
+        for artist in moves:
+            artist.remove()
+        return np.array(self.canvas.buffer_rgba())[..., :3]
+
+    def frames(self, progress: Progress) -> Iterator[Pixels]:
+        """Give the picture of every chosen pose."""
+        for done, i in enumerate(self.chosen, start=1):
+            yield self.rendered(i)
+            progress(done, len(self.chosen))
 
 
-def _writer(path: Path) -> Callable[[Path, _Film, float, Progress], None]:
+def _canvas(figure: Picture) -> Any:
+    """Give a canvas, whose methods carry no types."""
+    return FigureCanvasAgg(figure)
+
+
+def _writer(path: Path) -> Callable[[Path, _Film, int, Progress], None]:
     ending = path.suffix.lower()
-    if ending == ".gif":
-        return _write_gif
-    if ending != ".mp4":
+    if ending not in (".gif", ".mp4"):
         raise ValueError(f"path must end in .gif or .mp4; got {str(path)!r}")
-    from matplotlib.animation import FFMpegWriter
-
-    if not FFMpegWriter.isAvailable():
+    if ending == ".mp4" and shutil.which("ffmpeg") is None:
         raise ValueError(f"path must end in .gif, for ffmpeg, which writes .mp4, is not on the PATH; got {str(path)!r}")
-    return _write_mp4
+    return _write_gif if ending == ".gif" else _write_mp4
 
 
-def _write_mp4(path: Path, film: _Film, rate: float, progress: Progress) -> None:
-    from matplotlib.animation import FFMpegWriter
+def _write_mp4(path: Path, film: _Film, rate: int, progress: Progress) -> None:
+    height, width, _ = film.rendered(film.chosen[0]).shape
+    given = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", str(rate), "-i", "-"]
+    wanted = ["-pix_fmt", "yuv420p", "-crf", "18", str(path)]
+    command = ["ffmpeg", "-y", "-loglevel", "error", *given, *wanted]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as encoder:
+        assert encoder.stdin is not None
+        with suppress(BrokenPipeError):  # ffmpeg gave up, and says below why
+            for picture in film.frames(progress):
+                encoder.stdin.write(picture.tobytes())
+            for _ in range(round(_HOLD * rate)):
+                encoder.stdin.write(picture.tobytes())
+        _, said = encoder.communicate()
+    if encoder.returncode:
+        raise OSError(f"ffmpeg could not write {path.name}: {said.decode(errors='replace').strip()}")
 
-    writer = FFMpegWriter(fps=round(rate), codec="h264", extra_args=["-pix_fmt", "yuv420p"])
-    with writer.saving(film.figure, str(path), film.figure.dpi):
-        for done, i in enumerate(film.chosen, start=1):
-            film.show(i)
-            for _ in range(1 + (done == len(film.chosen)) * round(_HOLD * rate)):
-                writer.grab_frame()
-            progress(done, len(film.chosen))
 
-
-def _write_gif(path: Path, film: _Film, rate: float, progress: Progress) -> None:
+def _write_gif(path: Path, film: _Film, rate: int, progress: Progress) -> None:
     """Write all frames in one set of colours, without dithering, which would tremble and not compress."""
-    from PIL import Image as Images
-
-    canvas = FigureCanvasAgg(film.figure)
-
-    def rendered(i: int) -> Image:
-        film.show(i)
-        canvas.draw()  # type: ignore[no-untyped-call]
-        return Images.fromarray(np.asarray(canvas.buffer_rgba())[..., :3].copy())  # type: ignore[no-untyped-call]
+    from PIL import Image
 
     steps = max(1, len(film.chosen) // _SAMPLED)
-    colours = _colours([rendered(i) for i in film.chosen[::steps]])
-
-    def frames(chosen: Iterable[int]) -> Iterator[Image]:
-        for i in chosen:
-            yield rendered(i).quantize(palette=colours, dither=Images.Dither.NONE)
-            progress(film.chosen.index(i) + 1, len(film.chosen))
-
+    colours = _colours([film.rendered(i) for i in film.chosen[::steps]])
+    reduced = (
+        Image.fromarray(picture).quantize(palette=colours, dither=Image.Dither.NONE)
+        for picture in film.frames(progress)
+    )
     lasting = [round(1e3 / rate)] * len(film.chosen)
     lasting[-1] += round(1e3 * _HOLD)
-    first, *others = film.chosen
-    (start,) = frames([first])
-    start.save(path, save_all=True, append_images=frames(others), duration=lasting, loop=0, optimize=False)
+    first = next(reduced)
+    with path.open("wb") as file:
+        first.save(file, "GIF", save_all=True, append_images=reduced, duration=lasting, loop=0, optimize=False)
 
 
-def _colours(samples: list[Image]) -> Image:
+def _colours(samples: list[Pixels]) -> Images.Image:
     """Choose 256 colours that suit all these, white itself among them."""
-    from PIL import Image as Images
+    from PIL import Image
 
-    together = np.concatenate([np.asarray(sample) for sample in samples])
-    chosen = Images.fromarray(together).quantize(256, method=Images.Quantize.MAXCOVERAGE)
+    chosen = Image.fromarray(np.concatenate(samples)).quantize(256, method=Image.Quantize.MAXCOVERAGE)
     colours = np.array(chosen.getpalette()).reshape(-1, 3)
     colours[colours.sum(axis=1).argmax()] = 255
     chosen.putpalette(colours.ravel().tolist())

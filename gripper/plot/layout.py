@@ -16,6 +16,8 @@ _MARGIN, _GAP = 0.06, 0.1
 """Free room around the figure and between its parts, in inches."""
 _BAR = 0.08
 """Height of the bar of colours, in inches."""
+_MARKS = 0.6
+"""Part of a key's width that its marks take beside the bar."""
 KEY_WIDTH = 2.1
 """Least width of the key, in inches."""
 
@@ -63,8 +65,9 @@ class Legend:
         figure.colorbar(key.colours(), cax=self.bar, orientation="horizontal")
         self.bar.set_xlabel("bending strain of the faces (%)")
         self.marks.axis("off")
-        columns = 1 if self.stacked else max(1, (len(entries) + 1) // 2)
-        self.legend = self.marks.legend(handles=entries, loc="center", ncols=columns, borderpad=0.0)
+        self.legend = self.marks.legend(handles=entries, loc="center", ncols=max(1, (len(entries) + 1) // 2))
+        if self.stacked or self.legend.get_window_extent().width > _MARKS * width * figure.dpi:
+            self.legend = self.marks.legend(handles=entries, loc="center")
 
     @property
     def heights(self) -> tuple[float, float]:
@@ -85,7 +88,7 @@ class Legend:
             page.put(self.marks, left, top + bar + _GAP, self.width, marks)
         else:
             page.put(self.bar, left + 0.02 * self.width, top, 0.36 * self.width, _BAR)
-            page.put(self.marks, left + 0.4 * self.width, top, 0.6 * self.width, self.height)
+            page.put(self.marks, left + (1 - _MARKS) * self.width, top, _MARKS * self.width, self.height)
 
 
 class _Page(NamedTuple):
