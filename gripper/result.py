@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from importlib.metadata import version
 from os import PathLike
 from pathlib import Path
@@ -231,7 +231,11 @@ class Result:
         return self.filmstrip()
 
     def filmstrip(
-        self, poses: Iterable[int] | None = None, *, mirror: Axis | None = None, width: float | None = None
+        self,
+        poses: Iterable[int] | Mapping[int, str] | None = None,
+        *,
+        mirror: Axis | None = None,
+        width: float | None = None,
     ) -> Figure:
         """Draw poses of the motion beside each other, to one scale: see `gripper.plot.filmstrip`."""
         from gripper.plot import filmstrip  # here, so that `import gripper` does not load matplotlib

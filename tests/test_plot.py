@@ -43,6 +43,8 @@ Q = sympy.Symbol("q")
 FINGER = Uniform(
     length=LENGTH, thickness=THICKNESS, width=0.02, material=Material(youngs_modulus=5e6, poisson_ratio=0.4)
 )
+SCENE = Scene(finger=FINGER, object=Circle(radius=RADIUS))
+"""Without a motion."""
 
 
 def area(points: np.ndarray) -> float:
@@ -362,7 +364,7 @@ def test_the_parameter_has_a_unit_where_it_is_a_coordinate_itself(pose: dict, un
 
 
 def test_a_curve_needs_a_motion() -> None:
-    still = replace(motion([0.5]), scene=Scene(finger=FINGER, object=Circle(radius=RADIUS)))
+    still = replace(motion([0.5]), scene=SCENE)
     with pytest.raises(ValueError, match="must hold a motion"):
         plot.curve(still)
 
@@ -488,7 +490,7 @@ def test_a_film_repeats_bit_for_bit(tmp_path: pathlib.Path) -> None:
 
 def test_a_film_that_cannot_be_made_says_why_and_leaves_nothing(tmp_path: pathlib.Path, monkeypatch) -> None:
     given = motion([0.0, 0.3])
-    still = replace(given, scene=Scene(finger=FINGER, object=Circle(radius=RADIUS)), poses=given.poses[:1])
+    still = replace(given, scene=SCENE, poses=given.poses[:1])
     with pytest.raises(ValueError, match=r"path must end in \.gif or \.mp4; got '.*a\.avi'"):
         given.animate(tmp_path / "a.avi")
     monkeypatch.setenv("PATH", str(tmp_path))  # no ffmpeg here
@@ -507,3 +509,21 @@ def test_a_film_that_cannot_be_made_says_why_and_leaves_nothing(tmp_path: pathli
     with pytest.raises(KeyboardInterrupt):
         given.animate(tmp_path / "a.gif", pixels=200, progress=interrupted)
     assert not list(tmp_path.iterdir())
+
+
+def test_named_poses_have_their_names_in_the_captions() -> None:
+    figure = motion([0.0, 0.3]).filmstrip({1: "bent", 0: "straight"})
+    assert [ax.get_title() for ax in panels(figure)] == ["bent, q = 100 mm: 6.00 N", "straight, q = 0 mm: free"]
+
+
+def test_scenes_of_one_pose_stand_beside_each_other_to_one_scale() -> None:
+    still = {name: replace(motion([bend]), scene=SCENE) for name, bend in (("soft", 0.2), ("stiff", 0.4))}
+    figure = plot.beside(still, title="Two")
+    assert [ax.get_title() for ax in panels(figure)] == ["soft: 4.00 N", "stiff: 8.00 N"]
+    arrows = [each for ax in panels(figure) for each in ax.collections if isinstance(each, Quiver)]
+    lengths = [math.hypot(each.U[0], each.V[0]) for each in arrows]
+    assert lengths[1] == pytest.approx(2 * lengths[0])
+    with pytest.raises(ValueError, match="results must hold at least one"):
+        plot.beside({})
+    with pytest.raises(ValueError, match="holds 2 poses"):
+        plot.beside({"moving": motion([0.1, 0.2])})

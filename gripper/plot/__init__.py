@@ -6,8 +6,8 @@ SVG they repeat bit for bit. ``result.filmstrip()``, ``result.curve()`` and ``re
 
 from gripper.plot.animation import animate
 from gripper.plot.curve import QUANTITIES, curve
-from gripper.plot.filmstrip import filmstrip
+from gripper.plot.filmstrip import beside, filmstrip
 from gripper.plot.sketch import Axis
 from gripper.plot.style import COLUMN, PAGE, Picture, styled
 
-__all__ = ["COLUMN", "PAGE", "QUANTITIES", "Axis", "Picture", "animate", "curve", "filmstrip", "styled"]
+__all__ = ["COLUMN", "PAGE", "QUANTITIES", "Axis", "Picture", "animate", "beside", "curve", "filmstrip", "styled"]

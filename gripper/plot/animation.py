@@ -16,12 +16,12 @@ from numpy.typing import NDArray
 
 from gripper.plot.curve import curve
 from gripper.plot.draw import Key, draw, frame
-from gripper.plot.filmstrip import caption
 from gripper.plot.layout import Legend, Row, arrange
-from gripper.plot.sketch import Axis, Sketch, extent, fingers, union
+from gripper.plot.panel import Panel
+from gripper.plot.sketch import Axis, union
 from gripper.plot.style import INCH, INK, Picture, styled
 from gripper.plot.units import parameter_unit
-from gripper.result import PoseResult, Result
+from gripper.result import Result
 
 if TYPE_CHECKING:
     from PIL import Image as Images
@@ -106,13 +106,12 @@ class _Film:
     def __init__(self, result: Result, chosen: list[int], mirror: Axis | None, pixels: int) -> None:
         self.result, self.chosen = result, chosen
         self.unit = parameter_unit(result.scene)
-        answered = [i for i in chosen if result.poses[i].shape is not None]
+        self.panels = {i: Panel.of(result, i, mirror=mirror) for i in chosen}
+        answered = [panel for panel in self.panels.values() if panel.fingers]
         if not answered:
             raise ValueError("result must hold at least one pose that has an answer; got none")
-        self.drawn: dict[int, list[Sketch]] = {i: fingers(result, i, mirror) for i in answered}
-        everything = [each for panel in self.drawn.values() for each in panel]
-        self.key = Key.of(list(self.drawn.values()))
-        self.window = union([extent(each, self.key.arrow) for each in everything])
+        self.key = Key.of([panel.fingers for panel in answered])
+        self.window = union([panel.extent(self.key) for panel in answered])
         self._lay_out(pixels)
         self.canvas = _canvas(self.figure)
         self.canvas.draw()
@@ -137,11 +136,10 @@ class _Film:
 
     def rendered(self, i: int) -> Pixels:
         """Give the picture of pose i: (height, width, 3)."""
-        answer: PoseResult = self.result.poses[i]
-        panel = self.drawn.get(i, [])
-        moves = [artist for each in panel for artist in draw(self.scene, each, self.key)]
-        self.scene.set_title(caption(self.result.parameter, self.unit, answer, self.key, len(panel)), parse_math=False)
-        self.cursor.set_xdata([self.unit.factor * (answer.parameter or 0.0)] * 2)
+        panel = self.panels[i]
+        moves = [artist for each in panel.fingers for artist in draw(self.scene, each, self.key)]
+        self.scene.set_title(panel.caption(self.key), parse_math=False)
+        self.cursor.set_xdata([self.unit.factor * (panel.pose.parameter or 0.0)] * 2)
         self.canvas.restore_region(self.stays)
         for artist in sorted(moves, key=lambda each: each.get_zorder()):
             self.scene.draw_artist(artist)

@@ -3,22 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from gripper.plot.draw import Key, draw, frame
 from gripper.plot.layout import KEY_WIDTH, Legend, Row, arrange
-from gripper.plot.sketch import Axis, Box, Sketch, extent, fingers, union
+from gripper.plot.panel import Panel
+from gripper.plot.sketch import Axis, Box, union
 from gripper.plot.style import COLUMN, INCH, PAGE, Picture, figure_of, styled
-from gripper.plot.units import Unit, parameter_unit
 from gripper.result import PoseResult, Result
 
 MOST_SNAPSHOTS = 6
 _LEAST = 1.5
 """Least width of a panel with its labels, in inches."""
-_LONG = 1.9
+_NARROW = 1.9
 """Panels narrower than this, in inches, break their captions."""
 _LABELS = 0.5
 """Room that the labels left of all panels need, in inches, about."""
@@ -26,7 +26,7 @@ _LABELS = 0.5
 
 def filmstrip(
     result: Result,
-    poses: Iterable[int] | None = None,
+    poses: Iterable[int] | Mapping[int, str] | None = None,
     *,
     mirror: Axis | None = None,
     width: float | None = None,
@@ -39,8 +39,8 @@ def filmstrip(
     result
         What to draw.
     poses
-        Indices into ``result.poses``; by default up to six spread over the motion, among them its ends, the first
-        contact and the largest force.
+        Indices into ``result.poses``, with or without a name each: ``{4: "insertion", ...}``; by default up to six
+        spread over the motion, among them its ends, the first contact and the largest force.
     mirror
         An axis of the object's symmetry, as x, y (m) and angle (rad) in the world, beyond which a second finger is
         drawn; None for none.
@@ -62,17 +62,36 @@ def filmstrip(
     chosen = _telling(result.poses) if poses is None else [_checked(result, i) for i in poses]
     if not chosen:
         raise ValueError("poses must hold at least one pose that has an answer; got none")
-    drawn = [fingers(result, i, mirror) for i in chosen]
-    key = Key.of(drawn)
-    boxes = [union([extent(each, key.arrow) for each in panel]) for panel in drawn]
+    names = poses if isinstance(poses, Mapping) else {}
+    panels = [Panel.of(result, i, names.get(i, ""), mirror) for i in chosen]
     with styled():
-        if ax is None:
-            return _strip(result, drawn, boxes, key, width or (COLUMN if len(drawn) == 1 else PAGE))
-        for level, panel in enumerate(drawn):
-            for each in panel:
-                draw(ax, each, key, level)
-        frame(ax, union(boxes), key)
-        return figure_of(ax)
+        return _strip(panels, result.title, width) if ax is None else _over_each_other(panels, ax)
+
+
+def beside(results: Mapping[str, Result], *, title: str = "", width: float | None = None) -> Figure:
+    """Draw scenes of one pose beside each other, to one scale.
+
+    Parameters
+    ----------
+    results
+        Each result by its name.
+    title, width
+        Of the figure; the width in m, ``gripper.plot.PAGE`` by default.
+
+    Returns
+    -------
+    The figure, as :func:`filmstrip`.
+
+    Raises
+    ------
+    ValueError
+        No result, or one of several poses or without an answer.
+    """
+    panels = [Panel.of(result, result.poses.index(result.pose), name) for name, result in results.items()]
+    if not panels:
+        raise ValueError("results must hold at least one result; got none")
+    with styled():
+        return _strip(panels, title, width)
 
 
 def _checked(result: Result, i: int) -> int:
@@ -119,57 +138,47 @@ def _grid(n: int, aspect: float, width: float) -> tuple[int, int]:
     return rows(best), best
 
 
-def _strip(result: Result, drawn: list[list[Sketch]], boxes: list[Box], key: Key, width: float) -> Figure:
-    windows = _windows(boxes)
+def _strip(panels: Sequence[Panel], title: str, width: float | None) -> Figure:
+    key = Key.of([panel.fingers for panel in panels])
+    windows = _windows([panel.extent(key) for panel in panels])
     aspect = (windows[0][3] - windows[0][1]) / (windows[0][2] - windows[0][0])
-    inches = width / INCH
-    rows, columns = _grid(len(drawn), aspect, inches)
+    inches = (width or (COLUMN if len(panels) == 1 else PAGE)) / INCH
+    rows, columns = _grid(len(panels), aspect, inches)
     figure = Picture(figsize=(inches, inches))
-    panels = [
-        figure.add_axes((0.1, 0.1, 0.8 / columns, 0.8 / columns * aspect), label=str(i)) for i in range(len(drawn))
-    ]
-    _fill(panels, drawn, windows, key, columns, ticks=5 if inches / columns >= _LONG else 3)
-    unit = parameter_unit(result.scene) if result.scene.motion else Unit("", 1.0)
-    for ax, panel in zip(panels, drawn, strict=True):
-        said = caption(result.parameter, unit, panel[0].pose, key, len(panel))
-        long = inches / columns < _LONG
-        ax.set_title(said.replace(": ", ":\n") if long else said, parse_math=False)
-    spare = rows * columns - len(drawn)
+    places = [figure.add_axes((0.1, 0.1, 0.8 / columns, 0.5), label=str(i)) for i in range(len(panels))]
+    narrow = inches / columns < _NARROW
+    _fill(places, panels, windows, key, columns, ticks=3 if narrow else 5)
+    for ax, panel in zip(places, panels, strict=True):
+        caption = panel.caption(key)
+        ax.set_title(caption.replace(": ", ":\n") if narrow else caption, parse_math=False)
+    spare = rows * columns - len(panels)
     if (inches - _LABELS) * spare / columns < KEY_WIDTH:
         spare = 0
     legend = Legend(figure, key, KEY_WIDTH if spare else 0.94 * inches)
-    lines = [Row(panels[i : i + columns], aspect) for i in range(0, len(panels), columns)]
-    arrange(figure, lines, result.title, legend, after=rows - 1, spare=spare)
+    lines = [Row(places[i : i + columns], aspect) for i in range(0, len(places), columns)]
+    arrange(figure, lines, title, legend, after=rows - 1, spare=spare)
     return figure
 
 
 def _fill(
-    panels: list[Axes], drawn: list[list[Sketch]], windows: list[Box], key: Key, columns: int, ticks: int
+    places: Sequence[Axes], panels: Sequence[Panel], windows: Sequence[Box], key: Key, columns: int, ticks: int
 ) -> None:
     """Draw the panels; labels stand at the outer ones, numbers also inside where the windows differ."""
     differ = windows[0] is not windows[-1]
-    for i, (ax, sketches, window) in enumerate(zip(panels, drawn, windows, strict=True)):
-        for each in sketches:
+    for i, (ax, panel, window) in enumerate(zip(places, panels, windows, strict=True)):
+        for each in panel.fingers:
             draw(ax, each, key)
         frame(ax, window, key, ticks=ticks)
-        first, lowest = i % columns == 0, i + columns >= len(panels)
+        first, lowest = i % columns == 0, i + columns >= len(places)
         ax.tick_params(labelleft=first or differ, labelbottom=lowest or differ)
         ax.yaxis.label.set_visible(first)
         ax.xaxis.label.set_visible(lowest)
 
 
-def caption(parameter: str | None, unit: Unit, answer: PoseResult, key: Key, hands: int = 1) -> str:
-    """Say where a pose stands in the motion, and the force on the object, of each finger if several are drawn."""
-    said: str = answer.status
-    if answer.force_on_object and answer.status == "contact":
-        force = key.force.factor * math.hypot(*answer.force_on_object)
-        said = f"{_number(force, '#.3g').rstrip('.')} {key.force.name}{' each' * (hands > 1)}"
-    if parameter is None or answer.parameter is None:
-        return said
-    return (
-        f"{parameter} = {_number(unit.factor * round(answer.parameter, 12))}{' ' * bool(unit.name)}{unit.name}: {said}"
-    )
-
-
-def _number(value: float, digits: str = ".4g") -> str:
-    return f"{value + 0.0:{digits}}".replace("-", "\N{MINUS SIGN}")
+def _over_each_other(panels: Sequence[Panel], ax: Axes) -> Figure:
+    key = Key.of([panel.fingers for panel in panels])
+    for level, panel in enumerate(panels):
+        for each in panel.fingers:
+            draw(ax, each, key, level)
+    frame(ax, union([panel.extent(key) for panel in panels]), key)
+    return figure_of(ax)
