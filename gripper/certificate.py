@@ -28,7 +28,9 @@ _ROUNDS = 14
 _MOST_PIECES = 60_000
 _CUT = 5
 _CLOSE = 0.15  # of L: corners of the object nearer than this to a sample are looked at exactly
+_ASIDE = 0.03  # of L: a corner that much outside the tangent at the nearest sample is not in the finger
 _FEET = 6
+_SETTLED = 1e-10  # of L: a foot that moves by less is found
 _FLAT = 1e-6  # least |grad g| that a gap is divided by to be a distance
 _STEEPER = 1.5  # where nothing is proved of grad g: its sampled size may be off by this much
 
@@ -255,22 +257,28 @@ def _sunken_corners(
     corners = obstacle.corners
     if not len(corners):
         return ()
-    distance = np.abs(corners[:, None] - points[None, :])
+    near = np.flatnonzero(_around(corners, points))
+    distance = np.abs(corners[near, None] - points[None, :])
     nearest = np.argmin(distance, axis=1)
-    close = np.flatnonzero(distance[np.arange(len(corners)), nearest] < _CLOSE)
+    near, nearest = (found[distance[np.arange(len(near)), nearest] < _CLOSE] for found in (near, nearest))
+    tangent = setting.outline.trace(axis, pieces.piece[nearest], pieces.u0[nearest], pieces.segment[nearest])[1]
+    outside = dot(points[nearest] - corners[near], 1j * tangent / np.abs(tangent)) * _sides(pieces.piece[nearest])
+    close, nearest = near[outside < _ASIDE], nearest[outside < _ASIDE]
     if not len(close):
         return ()
-    piece, segment, u = pieces.piece[nearest[close]], pieces.segment[nearest[close]], pieces.u0[nearest[close]]
+    piece, segment, u = pieces.piece[nearest], pieces.segment[nearest], pieces.u0[nearest]
     ends = np.array([p.length for p in setting.outline.pieces])[piece]
     for _ in range(_FEET):
         place, tangent, _ = setting.outline.trace(axis, piece, u, segment)
         along = (tangent.conj() * (corners[close] - place)).real / np.abs(tangent) ** 2
-        u = np.clip(u + along, 0.0, ends)
-        face = piece <= UPPER
+        moved = np.clip(u + along, 0.0, ends)
+        settled = np.abs(moved - u).max() < _SETTLED
+        u, face = moved, piece <= UPPER
         segment = np.where(face, axis.beam.segment_of(u * face), segment)
+        if settled:
+            break
     place, tangent, _ = setting.outline.trace(axis, piece, u, segment)
-    inward = 1j * tangent / np.abs(tangent) * np.where(piece == UPPER, -1.0, 1.0)
-    height = dot(place - corners[close], inward)
+    height = dot(place - corners[close], 1j * tangent / np.abs(tangent)) * _sides(piece)
     half = setting.sections.thickness(np.where(piece <= UPPER, u, 1.0)) / 2
     inside = (height < -DEPTH) & (height > -half) & (u > 0) & (u < ends)
     for i in np.flatnonzero(inside & (piece > UPPER)):  # a thin jaw's far side is near, too
@@ -278,3 +286,17 @@ def _sunken_corners(
         ring = points[np.isin(pieces.piece, part if len(part) > 1 else (LOWER, UPPER))]
         inside[i] = bool(np.sum(crossings(complex(corners[close[i]]), ring)) % 2)
     return tuple(zip(piece[inside].tolist(), u[inside].tolist(), strict=True))
+
+
+def _around(places: Complex, points: Complex) -> Array:
+    """Which places lie within :data:`_CLOSE` of the box about points."""
+    x, y = (
+        np.clip(places.real, points.real.min(), points.real.max()),
+        np.clip(places.imag, points.imag.min(), points.imag.max()),
+    )
+    return np.abs(places - (x + 1j * y)) < _CLOSE
+
+
+def _sides(piece: Index) -> Array:
+    """Which side of the tangent is inside: left of it (1), on the upper face right (-1)."""
+    return np.where(piece == UPPER, -1.0, 1.0)

@@ -11,15 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gripper.objects.base import Array, Box
+from gripper.objects.chords import Chords, Indices
 from gripper.objects.formulas import Span
 
 FINENESS = 5e-4  # chords to search among are within this part of the chain's size of the curve
-FEW = 256  # chords up to which comparing all of them beats a tree (measured: 20 to 200 points)
 STRAIGHT = 1e-9  # rad: a smaller turn is no corner
 NEWTON_STEPS = 40  # three do, but near the evolute, deep inside
 SETTLED = 1e-7  # the error after a Newton step is about the square of it
-
-Indices = NDArray[np.intp]
 
 
 @dataclass(frozen=True)
@@ -47,8 +45,8 @@ class Chain:
         self.size = float(np.ptp(_some_points(coefficients), axis=0).max())
         self.curved = coefficients.shape[1] > 2
         self.piece, self.t0, self.t1, self.sagitta = self.subdivide(FINENESS * self.size)
-        self.start = self.at(self.piece, self.t0)
-        self.chord = np.roll(self.start, -1, axis=0) - self.start
+        start = self.at(self.piece, self.t0)
+        self.chords = Chords(start, np.roll(start, -1, axis=0) - start, self.sagitta)
         self._find_corners()
 
     def at(self, piece: Indices, t: Array) -> Array:
@@ -89,13 +87,6 @@ class Chain:
         self.bisector: Array = bisector / np.linalg.norm(bisector, axis=1, keepdims=True)
 
     @cached_property
-    def tree(self) -> Any:
-        """The chords in an STRtree."""
-        import shapely
-
-        return shapely.STRtree(shapely.linestrings(np.stack([self.start, self.start + self.chord], axis=1)))
-
-    @cached_property
     def polygon(self) -> Any:
         """A shapely polygon within 1e-5 of the chain's size of it."""
         import shapely
@@ -126,7 +117,7 @@ class Chain:
 
     def nearest(self, points: Array) -> Nearest:
         """Find the feature nearest to each of points (n, 2), in m."""
-        owner, chord, along = self._candidates(points)
+        owner, chord, along = self.chords.nearest(points)
         piece = self.piece[chord]
         t = self.t0[chord] + (self.t1 - self.t0)[chord] * along
         if self.curved:
@@ -139,41 +130,6 @@ class Chain:
         joint = np.where(t >= 1, (piece + 1) % len(self.corner), piece)
         at_joint = (t <= 0) | (t >= 1)
         return Nearest(piece, t, np.where(at_joint & self.corner[joint], joint, -1))
-
-    def _candidates(self, points: Array) -> tuple[Indices, Indices, Array]:
-        """Find the chords over which the nearest point can lie.
-
-        Returns
-        -------
-        Of each candidate: the index of its point (rising), its chord, and how far along (0 to 1) that is nearest.
-        """
-        if len(self.start) <= FEW:
-            return self._compare_all(points)
-        import shapely
-
-        at = shapely.points(points)
-        (owner, chord), distance = self.tree.query_nearest(at, all_matches=False, return_distance=True)
-        if self.curved:
-            owner, chord = self.tree.query(at, predicate="dwithin", distance=distance + 2 * self.sagitta.max())
-            order = np.argsort(owner, kind="stable")
-            owner, chord = owner[order], chord[order]
-        d = self.chord[chord]
-        along = ((points[owner] - self.start[chord]) * d).sum(axis=1) / (d * d).sum(axis=1)
-        return owner, chord, np.minimum(np.maximum(along, 0.0), 1.0)
-
-    def _compare_all(self, points: Array) -> tuple[Indices, Indices, Array]:
-        (dx, dy), (ax, ay) = self.chord.T, self.start.T
-        rx, ry = points[:, :1] - ax, points[:, 1:] - ay
-        along = np.minimum(np.maximum((rx * dx + ry * dy) / (dx * dx + dy * dy), 0.0), 1.0)
-        rx, ry = rx - along * dx, ry - along * dy
-        squares = rx * rx + ry * ry
-        if self.curved:
-            distance = np.sqrt(squares)
-            limit = (distance + self.sagitta).min(axis=1)
-            owner, chord = np.nonzero(distance - self.sagitta <= limit[:, None])
-        else:
-            owner, chord = np.arange(len(points)), squares.argmin(axis=1)
-        return owner, chord, along[owner, chord]
 
     def _foot(self, points: Array, piece: Indices, t: Array, reach: Array) -> tuple[Indices, Array]:
         """Find the foot by Newton's steps of at most ``reach`` in t, on to the next piece where the joint is smooth."""

@@ -8,7 +8,8 @@ import numpy as np
 
 from gripper.interval import enclose_all
 from gripper.objects.base import Array
-from gripper.objects.chain import Chain, Indices
+from gripper.objects.chain import Chain
+from gripper.objects.chords import Indices
 from gripper.objects.formulas import T
 
 PARTS = 8  # of each chord, for a tight range of its curvature
@@ -29,7 +30,7 @@ class Concavity:
         lowest, turn = _chords(chain)
         self.lowest = np.minimum(lowest, 0.0)  # curvature, in 1/m
         self.turn = turn
-        joints = np.zeros(len(chain.start))
+        joints = np.zeros(chain.chords.count)
         first = np.flatnonzero(np.diff(chain.piece, prepend=-1))
         joints[first] = np.where(chain.convex_corner, chain.turn, np.where(chain.corner, math.inf, 0.0))
         self.joint = joints  # turn at the start of each chord, infinite at a re-entrant corner
@@ -39,7 +40,7 @@ class Concavity:
         """Lower bound (n,), in 1/m, over discs (n, 2), (n,) with g (n,) at their centres; -inf where none is known."""
         if self.convex:
             return np.zeros(len(centers))
-        disc, chord = self._reachable(centers, np.abs(g) + 2 * radii + self.chain.sagitta.max())
+        disc, chord = self.chain.chords.within(centers, np.abs(g) + 2 * radii)
         n = len(centers)
         count = np.bincount(disc, minlength=n)
         links, turn = self._runs(disc, chord, n)
@@ -53,16 +54,9 @@ class Concavity:
         settled |= (outside == 0) & np.isfinite(turn)
         return np.where(settled, bound, -math.inf)
 
-    def _reachable(self, centers: Array, reach: Array) -> tuple[Indices, Indices]:
-        """Pairs of a disc and a chord that can be nearest to a point of it."""
-        import shapely
-
-        pairs = self.chain.tree.query(shapely.points(centers), predicate="dwithin", distance=reach * (1 + 1e-12))
-        return pairs[0], pairs[1]
-
     def _runs(self, disc: Indices, chord: Indices, n: int) -> tuple[Indices, Array]:
         """How many of each disc's chords follow another of them, and by how much they turn in all."""
-        m = len(self.chain.start)
+        m = self.chain.chords.count
         key = np.sort(disc * m + chord)
         before = disc * m + (chord - 1) % m
         place = np.minimum(np.searchsorted(key, before), len(key) - 1)
@@ -75,7 +69,7 @@ class Concavity:
 
 def _chords(chain: Chain) -> tuple[Array, Array]:
     """Bound the curvature (1/m) from below, and the turn (rad) from above, of the curve over each chord."""
-    m = len(chain.start)
+    m = chain.chords.count
     if not chain.curved:
         return np.zeros(m), np.zeros(m)
     c = np.repeat(chain.coefficients[chain.piece].reshape(m, -1), PARTS, axis=0).T
