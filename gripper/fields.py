@@ -38,6 +38,13 @@ class Variables:
     names: tuple[str, ...]
 
 
+@dataclasses.dataclass(frozen=True)
+class Nested:
+    """A field that holds plugins of a group: a scene file writes each as a table of its own."""
+
+    group: str
+
+
 _POSITIVE = Rule("be a positive number, in SI units", lambda v: _is_number(v) and v > 0)
 _FINITE = Rule("be a finite number, in SI units", _is_number)
 Positive = Annotated[float, _POSITIVE]

@@ -67,6 +67,16 @@ class Object(Placeable, ABC):
         """Outward unit normals (k, 2, 2) of the two pieces of outline before and after each corner."""
         return np.empty((0, 2, 2))
 
+    @property
+    def hollows(self) -> Array:
+        """Re-entrant corners of the outline (k, 2), in m; none by default."""
+        return np.empty((0, 2))
+
+    @property
+    def hollow_normals(self) -> Array:
+        """Outward unit normals (k, 2, 2) of the two pieces of outline before and after each re-entrant corner."""
+        return np.empty((0, 2, 2))
+
     def at_corner(self, points: Array) -> NDArray[np.bool_]:
         """Tell where the feature that ``evaluate`` used at points (n, 2), in m, is one of the corners: (n,)."""
         return np.zeros(len(points), dtype=bool)
@@ -86,6 +96,20 @@ class Object(Placeable, ABC):
         positive). None where nothing can be proved of this object.
         """
         return None
+
+    def largest_curvature(self, centers: Array, radii: Array) -> Array:
+        """Bound the Hessian's largest eigenvalue from above, by proof: what `bounds` does for what is cut out.
+
+        Parameters
+        ----------
+        centers, radii
+            (n, 2) and (n,), in m.
+
+        Returns
+        -------
+        (n,), in 1/m; inf where none is known (a re-entrant kink counts as negative).
+        """
+        return np.full(len(centers), np.inf)
 
     @property
     @abstractmethod

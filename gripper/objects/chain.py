@@ -1,4 +1,4 @@
-"""A closed chain of polynomial pieces: the nearest point on it, its corners, and what is proved of its distance."""
+"""Closed chains of polynomial pieces: the nearest point on them, and their corners."""
 
 from __future__ import annotations
 
@@ -30,23 +30,34 @@ class Nearest:
 
 
 class Chain:
-    """A closed chain of pieces q_i(t) = sum_k c_ik t^k, t in [0, 1], counter-clockwise.
+    """Closed loops of pieces q_i(t) = sum_k c_ik t^k, t in [0, 1], with what they enclose on their left.
 
     Parameters
     ----------
-    coefficients
-        (m, degree + 1, 2), in m; each piece ends where the next begins, the last where the first does.
+    loops
+        (m, degree + 1, 2) each, in m; each piece ends where the next begins, the last where the first does. A loop
+        alone may have either sense; of several the outer ones are counter-clockwise, holes clockwise.
     """
 
-    def __init__(self, coefficients: Array) -> None:
-        self.coefficients = coefficients if _area(coefficients) >= 0 else _reversed(coefficients)
+    def __init__(self, *loops: Array) -> None:
+        loops = loops if len(loops) > 1 or _area(loops[0]) >= 0 else (_reversed(loops[0]),)
+        self.coefficients = np.concatenate(loops)
+        last = np.cumsum([len(loop) for loop in loops]) - 1
+        self.first = np.concatenate([[0], last[:-1] + 1])  # of each loop
+        self.after = np.arange(1, last[-1] + 2)
+        self.after[last] = self.first
+        self.before = np.empty_like(self.after)
+        self.before[self.after] = np.arange(len(self.after))
         self.lengths = np.linalg.norm(self.coefficients[:, 1:], axis=2).sum(axis=1)  # about
-        self.span = Span.of_degree(coefficients.shape[1] - 1)
-        self.size = float(np.ptp(_some_points(coefficients), axis=0).max())
-        self.curved = coefficients.shape[1] > 2
+        self.span = Span.of_degree(self.coefficients.shape[1] - 1)
+        self.size = float(np.ptp(_some_points(self.coefficients), axis=0).max())
+        self.curved = self.coefficients.shape[1] > 2
         self.piece, self.t0, self.t1, self.sagitta = self.subdivide(FINENESS * self.size)
-        start = self.at(self.piece, self.t0)
-        self.chords = Chords(start, np.roll(start, -1, axis=0) - start, self.sagitta)
+        start, starts = self.at(self.piece, self.t0), np.searchsorted(self.piece, self.first)
+        following = np.arange(1, len(start) + 1)
+        following[np.append(starts[1:], len(start)) - 1] = starts
+        self.chord_before = np.argsort(following)
+        self.chords = Chords(start, start[following] - start, self.sagitta, starts)
         self._find_corners()
 
     def at(self, piece: Indices, t: Array) -> Array:
@@ -74,7 +85,7 @@ class Chain:
         """At the start of each piece: the normals before and after, the turn, and whether it is a corner."""
         powers = np.arange(self.coefficients.shape[1])
         after = self.coefficients[:, 1]
-        before = np.roll((powers[:, None] * self.coefficients).sum(axis=1), 1, axis=0)
+        before = (powers[:, None] * self.coefficients).sum(axis=1)[self.before]
         turned = [tangent / np.linalg.norm(tangent, axis=1, keepdims=True) for tangent in (before, after)]
         normals = np.stack([np.column_stack([tangent[:, 1], -tangent[:, 0]]) for tangent in turned], axis=1)
         cross = turned[0][:, 0] * turned[1][:, 1] - turned[0][:, 1] * turned[1][:, 0]
@@ -88,10 +99,10 @@ class Chain:
 
     @cached_property
     def polygon(self) -> Any:
-        """A shapely polygon within 1e-5 of the chain's size of it."""
+        """A shapely polygon within 1e-5 of the chain's size of its first loop."""
         import shapely
 
-        return shapely.Polygon(self.polyline(1e-5 * self.size))
+        return shapely.Polygon(self.polylines(1e-5 * self.size)[0])
 
     @cached_property
     def inner_disc(self) -> tuple[Array, float]:
@@ -109,11 +120,11 @@ class Chain:
         low, high = vertices.min(axis=0) - sagitta.max(), vertices.max(axis=0) + sagitta.max()
         return float(low[0]), float(low[1]), float(high[0]), float(high[1])
 
-    def polyline(self, tolerance: float) -> Array:
-        """Vertices (m, 2) on the chain, the first one repeated, with chords within ``tolerance`` (m) of it."""
+    def polylines(self, tolerance: float) -> list[Array]:
+        """Vertices (m, 2) on each loop, the first one repeated, with chords within ``tolerance`` (m) of it."""
         piece, t, _, _ = self.subdivide(tolerance)
-        vertices = self.at(piece, t)
-        return np.vstack([vertices, vertices[:1]])
+        loops = np.split(self.at(piece, t), np.searchsorted(piece, self.first[1:]))
+        return [np.vstack([vertices, vertices[:1]]) for vertices in loops]
 
     def nearest(self, points: Array) -> Nearest:
         """Find the feature nearest to each of points (n, 2), in m."""
@@ -127,7 +138,7 @@ class Chain:
                 first = np.searchsorted(owner, np.arange(len(points)))
                 closest = np.lexsort((distance, owner))[first]
                 piece, t = piece[closest], t[closest]
-        joint = np.where(t >= 1, (piece + 1) % len(self.corner), piece)
+        joint = np.where(t >= 1, self.after[piece], piece)
         at_joint = (t <= 0) | (t >= 1)
         return Nearest(piece, t, np.where(at_joint & self.corner[joint], joint, -1))
 
@@ -147,7 +158,7 @@ class Chain:
         over, under = t > 1, t < 0
         if not (over | under).any():
             return piece, t
-        neighbour = (piece + over.astype(int) - under) % len(self.corner)
+        neighbour = np.where(over, self.after[piece], np.where(under, self.before[piece], piece))
         smooth = (over | under) & ~self.corner[np.where(over, neighbour, piece)]
         ratio = self.lengths[piece] / self.lengths[neighbour]
         entered = np.where(over, (t - 1) * ratio, 1 + t * ratio)

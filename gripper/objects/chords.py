@@ -12,6 +12,7 @@ GROUP = 12  # neighbours that are first looked at as one chord
 HAIR = 1e-12  # of the distance: rounding
 
 Indices = NDArray[np.intp]
+ONE: Indices = np.zeros(1, dtype=np.intp)
 
 
 class Chords:
@@ -26,9 +27,11 @@ class Chords:
         First ends (m, 2), and vectors from there to the other ends (m, 2), in m, in their order along the curve.
     slack
         (m,), in m.
+    curves
+        Where each curve of connected chords begins, from 0 on.
     """
 
-    def __init__(self, start: Array, along: Array, slack: Array) -> None:
+    def __init__(self, start: Array, along: Array, slack: Array, curves: Indices = ONE) -> None:
         self.count = len(start)
         self.slack = slack
         self.exact = not slack.any()
@@ -37,18 +40,18 @@ class Chords:
         self._square = np.maximum(self._dx**2 + self._dy**2, 1e-300)
         self._groups: Chords | None = None
         if self.count > FEW:
-            self._members = _neighbours(start, start + along)
-            self._groups = self._grouped(start, along)
+            self._members, first = _neighbours(np.append(curves, self.count))
+            self._groups = self._grouped(start, along, first)
 
-    def _grouped(self, start: Array, along: Array) -> Chords:
+    def _grouped(self, start: Array, along: Array, curves: Indices) -> Chords:
         first = start[self._members[:, 0]]
         whole = (start + along)[self._members[:, -1]] - first
-        outer = Chords(first, whole, np.zeros(0))
+        outer = Chords(first, whole, np.zeros(len(first)))
         groups = np.repeat(np.arange(len(first)), GROUP)
         members = self._members.ravel()
         off = np.maximum(outer._squares(start[members], groups)[0], outer._squares((start + along)[members], groups)[0])
         slack = np.sqrt(off).reshape(-1, GROUP).max(axis=1) + self.slack[self._members].max(axis=1)
-        return Chords(first, whole, slack)
+        return Chords(first, whole, slack, curves)
 
     def _squares(self, points: Array, chord: Indices | slice) -> tuple[Array, Array]:
         """Squared distances, and how far along (0 to 1) they are: points (n, 2) to their chords (n,) or all (n, m)."""
@@ -105,11 +108,13 @@ class Chords:
         return owner[near], chord[near]
 
 
-def _neighbours(start: Array, stop: Array) -> Indices:
-    """Groups (g, GROUP) of consecutive chords of one curve; the last of each curve is repeated to fill its group."""
-    ends = np.flatnonzero((np.roll(start, -1, axis=0) != stop).any(axis=1)[:-1]) + 1
-    groups = []
-    for first, end in zip([0, *ends], [*ends, len(start)], strict=True):
-        count = -(-(end - first) // GROUP)
-        groups.append(np.minimum(first + np.arange(count * GROUP), end - 1).reshape(count, GROUP))
-    return np.concatenate(groups)
+def _neighbours(ends: Indices) -> tuple[Indices, Indices]:
+    """Groups (g, GROUP) of consecutive chords of one curve each, a curve's last chord repeated to fill its last group.
+
+    Also where the groups of each curve begin.
+    """
+    counts = -(-np.diff(ends) // GROUP)
+    curves = np.cumsum(counts) - counts
+    own = np.arange(counts.sum()) - np.repeat(curves, counts)
+    members = np.repeat(ends[:-1], counts)[:, None] + own[:, None] * GROUP + np.arange(GROUP)
+    return np.minimum(members, np.repeat(ends[1:], counts)[:, None] - 1), curves

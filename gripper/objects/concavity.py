@@ -23,18 +23,26 @@ class Concavity:
     radius of curvature, goes on in one direction, so it passes no point twice, feet are unique, and the
     distance's second derivative is kappa / (1 + kappa g) (kappa < 0 where the outline is hollow). Inside,
     where feet are not unique, the signed distance is a maximum of such pieces: its kinks are convex.
+
+    Parameters
+    ----------
+    chain
+        The outline.
+    inside_out
+        Bound -g, the distance to what is left around it, instead.
     """
 
-    def __init__(self, chain: Chain) -> None:
+    def __init__(self, chain: Chain, *, inside_out: bool = False) -> None:
         self.chain = chain
-        lowest, turn = _chords(chain)
-        self.lowest = np.minimum(lowest, 0.0)  # curvature, in 1/m
+        lowest, highest, turn = _chords(chain)
+        self.lowest = np.minimum(-highest if inside_out else lowest, 0.0)  # curvature, in 1/m
         self.turn = turn
-        joints = np.zeros(chain.chords.count)
+        convex = chain.corner & ~chain.convex_corner if inside_out else chain.convex_corner
         first = np.flatnonzero(np.diff(chain.piece, prepend=-1))
-        joints[first] = np.where(chain.convex_corner, chain.turn, np.where(chain.corner, math.inf, 0.0))
-        self.joint = joints  # turn at the start of each chord, infinite at a re-entrant corner
-        self.convex = bool((lowest >= 0).all() and np.isfinite(joints).all())
+        self.joint = np.zeros(chain.chords.count)  # turn at the start of each chord, infinite at a re-entrant corner
+        self.joint[first] = np.where(convex, np.abs(chain.turn), np.where(chain.corner, math.inf, 0.0))
+        simple = len(chain.first) == 1
+        self.convex = bool(simple and not inside_out and (lowest >= 0).all() and np.isfinite(self.joint).all())
 
     def bound(self, centers: Array, radii: Array, g: Array) -> Array:
         """Lower bound (n,), in 1/m, over discs (n, 2), (n,) with g (n,) at their centres; -inf where none is known."""
@@ -58,7 +66,7 @@ class Concavity:
         """How many of each disc's chords follow another of them, and by how much they turn in all."""
         m = self.chain.chords.count
         key = np.sort(disc * m + chord)
-        before = disc * m + (chord - 1) % m
+        before = disc * m + self.chain.chord_before[chord]
         place = np.minimum(np.searchsorted(key, before), len(key) - 1)
         linked = key[place] == before if len(key) else np.zeros(0, dtype=bool)
         turn = self.turn[chord] + np.where(linked, self.joint[chord], 0.0)
@@ -67,17 +75,18 @@ class Concavity:
         return links, total
 
 
-def _chords(chain: Chain) -> tuple[Array, Array]:
-    """Bound the curvature (1/m) from below, and the turn (rad) from above, of the curve over each chord."""
+def _chords(chain: Chain) -> tuple[Array, Array, Array]:
+    """Bound the curvature (1/m) from below and above, and the turn (rad) from above, of the curve over each chord."""
     m = chain.chords.count
     if not chain.curved:
-        return np.zeros(m), np.zeros(m)
+        return np.zeros(m), np.zeros(m), np.zeros(m)
     c = np.repeat(chain.coefficients[chain.piece].reshape(m, -1), PARTS, axis=0).T
     part = np.arange(PARTS) / PARTS
     step = ((chain.t1 - chain.t0) / PARTS)[:, None]
     t = chain.t0[:, None] + step * PARTS * part
     box = {symbol: (value, value) for symbol, value in zip(chain.span.c, c, strict=True)}
     box[T] = (t.ravel(), np.minimum(t + step * (1 + 1e-9), 1.0).ravel())
-    curvature, speed = enclose_all([chain.span.curvature, chain.span.speed], box)
-    steepest = np.maximum(np.abs(curvature[0]), np.abs(curvature[1])) * speed[1]
-    return curvature[0].reshape(m, PARTS).min(axis=1), (steepest.reshape(m, PARTS) * step).sum(axis=1)
+    (low, high), speed = enclose_all([chain.span.curvature, chain.span.speed], box)
+    low, high = low.reshape(m, PARTS), high.reshape(m, PARTS)
+    steepest = np.maximum(np.abs(low), np.abs(high)) * speed[1].reshape(m, PARTS)
+    return low.min(axis=1), high.max(axis=1), (steepest * step).sum(axis=1)

@@ -36,7 +36,7 @@ def contour(evaluate: Evaluate, box: Box, tolerance: float) -> list[Array]:
     x, y, g = _grid(evaluate, box)
     lines = contourpy.contour_generator(x, y, g).lines(0.0)
     cell = float(x[1] - x[0])
-    return [_refined(evaluate, _projected(evaluate, np.asarray(line), cell), tolerance) for line in lines]
+    return [refined(evaluate, projected(evaluate, np.asarray(line), cell), tolerance) for line in lines]
 
 
 def _grid(evaluate: Evaluate, box: Box) -> tuple[Array, Array, Array]:
@@ -48,7 +48,7 @@ def _grid(evaluate: Evaluate, box: Box) -> tuple[Array, Array, Array]:
     return x, y, evaluate(points.reshape(-1, 2), 0)[0].reshape(points.shape[:2])
 
 
-def _projected(evaluate: Evaluate, points: Array, reach: float) -> Array:
+def projected(evaluate: Evaluate, points: Array, reach: float) -> Array:
     """Move points near the outline onto it, along the gradient, by no more than ``reach`` (m) at a time."""
     for _ in range(6):
         g, gradient = evaluate(points, 1)
@@ -59,17 +59,45 @@ def _projected(evaluate: Evaluate, points: Array, reach: float) -> Array:
     return points
 
 
-def _refined(evaluate: Evaluate, line: Array, tolerance: float) -> Array:
+def refined(evaluate: Evaluate, line: Array, tolerance: float) -> Array:
     """Halve the chords whose middle is off the outline by more than ``tolerance`` (m)."""
     for _ in range(ROUNDS):
         middle = (line[1:] + line[:-1]) / 2
         longest = float(np.linalg.norm(np.diff(line, axis=0), axis=1).max())
-        on = _projected(evaluate, middle, longest / 2)
+        on = projected(evaluate, middle, longest / 2)
         off = np.flatnonzero(np.linalg.norm(on - middle, axis=1) > tolerance)
         if not len(off):
             break
         line = np.insert(line, off + 1, on[off], axis=0)
     return line
+
+
+def settled(evaluate: Evaluate, line: Array, corners: Array, reach: float) -> Array:
+    """Put a polyline's vertices (m, 2), in m, on the outline, and the corners (k, 2) that it passes among them.
+
+    Parameters
+    ----------
+    evaluate
+        Gives g and its derivatives, as `gripper.objects.Object.evaluate`.
+    line
+        Within ``reach`` (m) of the outline; a closed one repeats its first vertex.
+    corners
+        Where the outline has no tangent, in m.
+    reach
+        A vertex that near to a corner is replaced by it, in m.
+    """
+    closed = bool((line[0] == line[-1]).all())
+    line = line[:-1].copy() if closed else line.copy()
+    distance = np.linalg.norm(line[:, None] - corners, axis=2)
+    passed = np.flatnonzero(distance.min(axis=0, initial=np.inf) < reach)
+    at = distance[:, passed].argmin(axis=0)
+    line[at] = corners[passed]
+    corner = np.zeros(len(line), dtype=bool)
+    corner[at] = True
+    kept = corner | (distance.min(axis=1, initial=np.inf) >= reach)
+    line, corner = line[kept], corner[kept]
+    line[~corner] = projected(evaluate, line[~corner], reach)
+    return np.vstack([line, line[:1]]) if closed else line
 
 
 @dataclass(frozen=True)

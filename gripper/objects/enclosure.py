@@ -12,6 +12,24 @@ from gripper.objects.compiled import X, Y
 ROUNDING = 1e-14  # of the few lines of arithmetic after the intervals
 
 
+def enclosed_largest(
+    g: sympy.Expr, hessian: tuple[sympy.Expr, sympy.Expr, sympy.Expr], centers: Array, radii: Array
+) -> Array:
+    """Bound the Hessian's largest eigenvalue from above over discs; arguments as `enclosed_bounds`.
+
+    Infinite where the expressions hold a function without an enclosure.
+    """
+    unknown: Array = np.full(len(centers), np.inf)
+    low, high = np.nextafter(centers - radii[:, None], -np.inf), np.nextafter(centers + radii[:, None], np.inf)
+    if g.has(sympy.Piecewise):
+        return unknown
+    try:
+        entries = enclose_all([-entry for entry in hessian], {X: (low[:, 0], high[:, 0]), Y: (low[:, 1], high[:, 1])})
+    except NoEnclosureError:
+        return unknown
+    return -_eigenvalues(entries)[0]
+
+
 def enclosed_bounds(
     g: sympy.Expr,
     gradient: tuple[sympy.Expr, sympy.Expr],

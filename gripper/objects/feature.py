@@ -13,10 +13,7 @@ from gripper.objects.base import Array, Box, Object, chord_tolerance
 from gripper.objects.chain import Chain
 from gripper.objects.closed import check_pieces, check_simple
 from gripper.objects.compiled import PerInstance
-from gripper.objects.concavity import Concavity
-from gripper.objects.formulas import away, corner
-
-HAIR = 1e-15  # of the outline's size
+from gripper.objects.distance import Distance
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,18 +43,7 @@ class FeatureSurface(Object):
 
     def evaluate(self, points: Array, order: int = 2) -> tuple[Array, ...]:
         """See `Object.evaluate`."""
-        chain = _chain(self)
-        nearest = chain.nearest(points)
-        values = chain.span.evaluate(points, order, nearest.t, chain.coefficients[nearest.piece])
-        at = nearest.corner >= 0
-        if at.any():
-            i = nearest.corner[at]
-            vertex = chain.vertex[i]
-            sign = np.where(chain.convex_corner[i], 1.0, -1.0)
-            beside = away(points[at], vertex, sign[:, None] * chain.bisector[i], HAIR * chain.size)
-            for value, replacement in zip(values, corner()(beside, order, *vertex.T, sign), strict=True):
-                value[at] = replacement
-        return values
+        return _distance(self).evaluate(points, order)
 
     @property
     def corners(self) -> Array:
@@ -77,10 +63,25 @@ class FeatureSurface(Object):
         index = chain.nearest(points).corner
         return (index >= 0) & chain.convex_corner[index]
 
+    @property
+    def hollows(self) -> Array:
+        """See `Object.hollows`."""
+        chain = _chain(self)
+        return chain.vertex[chain.corner & ~chain.convex_corner]
+
+    @property
+    def hollow_normals(self) -> Array:
+        """See `Object.hollow_normals`."""
+        chain = _chain(self)
+        return chain.normals[chain.corner & ~chain.convex_corner]
+
     def bounds(self, centers: Array, radii: Array) -> tuple[Array, Array]:
         """See `Object.bounds`: a distance's slope is 1."""
-        g = self.evaluate(centers, 0)[0]
-        return np.ones(len(centers)), _concavity(self).bound(centers, radii, g)
+        return np.ones(len(centers)), _distance(self).least_curvature(centers, radii)
+
+    def largest_curvature(self, centers: Array, radii: Array) -> Array:
+        """See `Object.largest_curvature`."""
+        return _distance(self).largest_curvature(centers, radii)
 
     @property
     def box(self) -> Box:
@@ -100,8 +101,11 @@ class FeatureSurface(Object):
     def outline(self, box: Box | None = None, tolerance: float | None = None) -> list[Array]:
         """See `Object.outline`."""
         chain = _chain(self)
-        return [chain.polyline(chord_tolerance(tolerance, chain.size))]
+        return chain.polylines(chord_tolerance(tolerance, chain.size))
 
 
-_chain: PerInstance[FeatureSurface, Chain] = PerInstance(lambda surface: Chain(surface.pieces()))
-_concavity: PerInstance[FeatureSurface, Concavity] = PerInstance(lambda surface: Concavity(_chain(surface)))
+_distance: PerInstance[FeatureSurface, Distance] = PerInstance(lambda surface: Distance(Chain(surface.pieces())))
+
+
+def _chain(surface: FeatureSurface) -> Chain:
+    return _distance(surface).chain

@@ -60,6 +60,10 @@ class ImplicitSurface(Object):
         """See `Object.bounds`; exact for a quadratic g, by interval arithmetic for others."""
         return _level_set(self).bounds(centers, radii)
 
+    def largest_curvature(self, centers: Array, radii: Array) -> Array:
+        """See `Object.largest_curvature`."""
+        return _level_set(self).largest_curvature(centers, radii)
+
     @property
     def box(self) -> Box:
         """See `Object.box`."""

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from gripper.objects.base import Array, Box
 from gripper.objects.compiled import Derivatives, X, Y, second_derivatives
 from gripper.objects.contour import CELLS, Inside, contour, inside
-from gripper.objects.enclosure import ROUNDING, enclosed_bounds
+from gripper.objects.enclosure import ROUNDING, enclosed_bounds, enclosed_largest
 from gripper.objects.quadric import Quadric
 
 HAIR = np.array([1e-9, 0.618e-9])  # m: where a formula is 0/0, as at a cone's tip, it is read this far beside
@@ -135,6 +135,14 @@ class LevelSet:
         if not self.continuous:
             return None
         return enclosed_bounds(self.g, self.gradient, self.hessian, centers, radii)
+
+    def largest_curvature(self, centers: Array, radii: Array) -> Array:
+        """Bound the Hessian from above over discs, as `gripper.objects.Object.largest_curvature`."""
+        if self.quadric is not None:
+            return np.full(len(centers), np.linalg.eigvalsh(self.quadric.hessian)[1])
+        if not self.continuous:
+            return np.full(len(centers), np.inf)
+        return enclosed_largest(self.g, self.hessian, centers, radii)
 
 
 def typical_slope(g: sympy.Expr, half_size: float, name: str = "g") -> float:
