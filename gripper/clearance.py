@@ -12,6 +12,7 @@ from gripper.outline import Axis, dot
 
 _FEET = 5
 _ZOOMS = 4
+_OFF = 1e-7  # of L: a foot that near is on the outline
 _WIDER = 2.0  # g / |grad g| may be off a distance by this much: samples within it are looked at
 
 
@@ -30,7 +31,7 @@ def distances(obstacle: Obstacle, points: Complex) -> Array:
     """Distances of points outside to the object, by L: to the feet of the normals, found by Newton's method."""
     g, normal = obstacle.slope(points)
     if np.all(np.abs(np.abs(normal) - 1) < 1e-9):
-        return g  # g is the distance itself
+        return _past_corners(obstacle, points, g, points - g * normal)  # g is the distance itself
     estimate = g / np.maximum(np.abs(normal), 1e-12)
     foot = points - estimate * normal / np.maximum(np.abs(normal), 1e-12)
     for _ in range(_FEET):
@@ -42,7 +43,16 @@ def distances(obstacle: Obstacle, points: Complex) -> Array:
         curvature = (a + (b * tangent.conj() ** 2).real) / size
         widening = np.maximum(1 + curvature * dot(away, unit), 0.5)
         foot = foot - g / size * unit + dot(away, tangent) / widening * tangent
-    return np.abs(points - foot)
+    return _past_corners(obstacle, points, np.abs(points - foot), foot)
+
+
+def _past_corners(obstacle: Obstacle, points: Complex, found: Array, foot: Complex) -> Array:
+    """The distances found, but to the nearest corner where the foot is off the outline: beyond its edges' ends."""
+    if not len(obstacle.corners):
+        return found
+    off = np.flatnonzero(np.abs(obstacle.gap(foot)) > _OFF * (1 + found))
+    found[off] = np.abs(points[off, None] - obstacle.corners).min(axis=1)
+    return found
 
 
 def _distance(setting: Setting, verified: Verified) -> float:

@@ -10,7 +10,8 @@ from sympy.printing.str import StrPrinter
 
 from gripper.fingers import Finger, Jaw, Material
 from gripper.friction import Coefficients, Friction
-from gripper.pose import Pose, placed
+from gripper.objects import Object
+from gripper.pose import Placed, Pose, placed
 from gripper.registry import installed
 from gripper.scene import Motion, Scene
 
@@ -38,6 +39,8 @@ def _value(value: Any) -> Any:
     """Write a field as JSON and TOML can hold it: numbers as they are, expressions as text, tuples as lists."""
     if isinstance(value, sympy.Expr):
         return float(value) if value.is_number else _Printer().doprint(value)
+    if isinstance(value, Object) or (isinstance(value, Placed) and isinstance(value.body, Object)):
+        return _object(placed(value))
     return [_value(item) for item in value] if isinstance(value, (list, tuple)) else value
 
 
@@ -71,6 +74,15 @@ def _finger(finger: Finger, pose: Pose) -> dict[str, Any]:
     return table | ({"jaw": _jaw(finger.jaw)} if finger.jaw else {})
 
 
+def _object(target: Placed[Object]) -> dict[str, Any]:
+    return {"surface": _name("gripper.objects", target.body)} | _fields(target.body) | {"pose": _pose(target.pose)}
+
+
+def table(group: str, instance: Any) -> dict[str, Any]:
+    """Write a plugin's own fields as a scene file's table holds them, without its name; a finger's without its jaw."""
+    return _fields(instance, "material", "jaw") if group == "gripper.fingers" else _fields(instance)
+
+
 def _motion(motion: Motion) -> dict[str, Any]:
     return {"parameter": motion.parameter, "values": list(motion.values)}
 
@@ -86,12 +98,11 @@ def describe(scene: Scene) -> dict[str, Any]:
     A plugin is given by its registered name, an unregistered class by ``module:class``.
     """
     finger, target = placed(scene.finger), placed(scene.object)
-    surface = {"surface": _name("gripper.objects", target.body)} | _fields(target.body)
     tables = {
         "title": scene.title,
         "material": _material(finger.body.material),
         "finger": _finger(finger.body, finger.pose),
-        "object": surface | {"pose": _pose(target.pose)},
+        "object": _object(target),
         "approach": {"direction": list(scene.approach)},
         "solver": {"theory": scene.theory, "tolerance": scene.tolerance},
     }

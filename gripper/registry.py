@@ -120,6 +120,11 @@ def check(record: Record) -> str | None:
     return None
 
 
+def fault(group: str, cls: Any) -> str | None:
+    """Tell what keeps a class from being a plugin of a group, registered or not; None where nothing does."""
+    return _unfit(cls, _KINDS[group])
+
+
 def _record(point: EntryPoint) -> Record:
     distribution, version = (point.dist.name, point.dist.version) if point.dist else ("unknown", "unknown")
     return Record(point.group, point.name, str(distribution), str(version), point.value)

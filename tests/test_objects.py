@@ -214,12 +214,8 @@ def test_a_corner_is_where_the_feature_is_a_vertex_and_its_normals_are_its_edges
     assert sorted(map(tuple, polygon.corners.tolist())) == sorted(set(ELBOW) - {(0.01, 0.01)})
     at = polygon.corners.tolist().index([0.04, 0.0])
     assert polygon.corner_normals[at] == pytest.approx(np.array([[0, -1], [1, 0]]))
-    assert polygon.at_corner(np.array([[0.05, -0.01], [0.02, -0.01], [0.009, 0.009], [0.04, 0.0]])).tolist() == [
-        True,
-        False,
-        False,
-        True,
-    ]
+    assert polygon.hollows.tolist() == [[0.01, 0.01]]
+    assert polygon.hollow_normals[0] == pytest.approx(np.array([[0, 1], [1, 0]]))
     assert not Spline(points=star(9, 0.1)).corners.size
 
 

@@ -77,10 +77,6 @@ class Object(Placeable, ABC):
         """Outward unit normals (k, 2, 2) of the two pieces of outline before and after each re-entrant corner."""
         return np.empty((0, 2, 2))
 
-    def at_corner(self, points: Array) -> NDArray[np.bool_]:
-        """Tell where the feature that ``evaluate`` used at points (n, 2), in m, is one of the corners: (n,)."""
-        return np.zeros(len(points), dtype=bool)
-
     def bounds(self, centers: Array, radii: Array) -> tuple[Array, Array] | None:
         """Bound the derivatives of g over discs, by proof.
 

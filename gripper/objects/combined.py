@@ -16,6 +16,7 @@ from gripper.objects.contour import refined, settled
 from gripper.objects.faces import enclosed, rings, room
 from gripper.objects.part import Member, Part
 from gripper.objects.seams import NEAR, Corners, corners, crossings
+from gripper.pose import placed
 
 TRACE = 2e-6  # of the whole's size: the polylines that crossings are looked for on
 MARGIN = 0.25  # of the parts' span: as far beyond them the region is traced
@@ -45,6 +46,7 @@ class Combined(Object):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        object.__setattr__(self, "parts", tuple(placed(part) for part in self.parts))
         if len(self.parts) < 2:
             raise ValueError(f"parts must hold at least 2 objects; got {len(self.parts)}")
         _whole(self).check()

@@ -9,6 +9,7 @@ import numpy as np
 
 from gripper.objects.base import Array, Box
 
+HAIR = 1e-12  # of the window's size: lines closer than that are one
 SLIVER = 1e-9  # of the window's area: smaller faces are what two polylines of one outline leave between them
 
 
@@ -28,7 +29,8 @@ def enclosed(lines: Sequence[Array], window: Box, gap: Callable[[Array], Array])
 
     frame = shapely.box(*window)
     drawn = shapely.multilinestrings([shapely.linestrings(line) for line in lines])
-    noded = shapely.unary_union([shapely.intersection(drawn, frame), frame.exterior])
+    hair = HAIR * max(window[2] - window[0], window[3] - window[1])
+    noded = shapely.unary_union([shapely.intersection(drawn, frame), frame.exterior], grid_size=hair)
     faces = [face for face in shapely.polygonize([noded]).geoms if face.area > SLIVER * frame.area]
     if not faces:
         return []

@@ -7,7 +7,6 @@ from abc import abstractmethod
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gripper.objects.base import Array, Box, Object, chord_tolerance
 from gripper.objects.chain import Chain
@@ -56,12 +55,6 @@ class FeatureSurface(Object):
         """See `Object.corner_normals`."""
         chain = _chain(self)
         return chain.normals[chain.convex_corner]
-
-    def at_corner(self, points: Array) -> NDArray[np.bool_]:
-        """See `Object.at_corner`."""
-        chain = _chain(self)
-        index = chain.nearest(points).corner
-        return (index >= 0) & chain.convex_corner[index]
 
     @property
     def hollows(self) -> Array:

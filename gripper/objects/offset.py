@@ -17,6 +17,7 @@ from gripper.objects.distance import Distance
 from gripper.objects.faces import rings, room
 from gripper.objects.part import Member, Part
 from gripper.objects.traced import chain_of
+from gripper.pose import placed
 
 TRACE = 1e-6  # of the size: the polyline that the outline is traced by
 QUARTER = 400  # chords of a quarter turn about a corner of the part
@@ -49,6 +50,7 @@ class Offset(Object):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        object.__setattr__(self, "part", placed(self.part))
         _grown(self)
 
     def evaluate(self, points: Array, order: int = 2) -> tuple[Array, ...]:

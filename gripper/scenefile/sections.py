@@ -34,6 +34,7 @@ _SCENE_FIELDS = {"theory": "solver.theory", "tolerance": "solver.tolerance", "ap
     key: f"friction.{key}" for key in ("coefficient", "model", "sense")
 }
 _SPAN = ("from", "to", "poses")
+_DEEPEST = 8  # objects within objects
 
 Names = tuple[str, ...]
 
@@ -105,15 +106,30 @@ def _jaw(table: Table, place: Place) -> Jaw:
     return build(cls, table, place, other=("shape",))
 
 
-def _object(table: Table, place: Place, names: Names) -> Placed[Object]:
+def _object(table: Table, place: Place, names: Names, depth: int = 0) -> Placed[Object]:
+    if depth > _DEEPEST:
+        raise place.error(f"must lie within at most {_DEEPEST} other objects", "more")
     cls: type[Object] = _plugin("gripper.objects", "surface", table, place)
     pose = _pose(*_section(table, "pose", place), names)
-    return Placed(build(cls, table, place, other=("surface", "pose")), pose)
+
+    def nest(_: str, value: Any, at: Place) -> Placed[Object]:
+        return _object(as_table(value, at), at, (), depth + 1)
+
+    return Placed(build(cls, table, place, other=("surface", "pose"), nest=nest), pose)
 
 
 def _pose(table: Table, place: Place, names: Names) -> Pose:
     check_keys(table, ("x", "y", "angle"), place)
     return Pose(**{key: read_expression(value, names, place.at(key)) for key, value in table.items()})
+
+
+def rebuilt(cls: type[Any], table: Table, made: Table) -> Any:
+    """Make an instance of a plugin from its own table, as a scene file's; fields ``made`` are given."""
+
+    def nest(_: str, value: Any, at: Place) -> Placed[Object]:
+        return _object(as_table(value, at), at, ())
+
+    return build(cls, table, Place("scene", "table"), made, nest=nest)
 
 
 def _motion(table: Table, place: Place) -> Motion:

@@ -9,7 +9,7 @@ from typing import Any, TypeVar, get_type_hints
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 
 from gripper.scenefile.place import Place, SceneFileError, Table, check_given, check_keys, shown
-from gripper.scenefile.values import converted
+from gripper.scenefile.values import Nest, converted
 
 Instance = TypeVar("Instance")
 
@@ -17,7 +17,12 @@ _CONFIG = ConfigDict(arbitrary_types_allowed=True, extra="forbid", allow_inf_nan
 
 
 def build(
-    cls: type[Instance], table: Table, place: Place, made: Table | None = None, other: Iterable[str] = ()
+    cls: type[Instance],
+    table: Table,
+    place: Place,
+    made: Table | None = None,
+    other: Iterable[str] = (),
+    nest: Nest | None = None,
 ) -> Instance:
     """Make an instance of a frozen dataclass, a plugin or the material, from a table.
 
@@ -33,6 +38,8 @@ def build(
         Fields that are made already.
     other
         Keys of the table that are not fields.
+    nest
+        Makes the plugins that stand in fields of this one.
 
     Raises
     ------
@@ -46,7 +53,7 @@ def build(
     own = {key: value for key, value in table.items() if key not in other}
     try:
         annotations = get_type_hints(cls, include_extras=True)
-        values = {name: converted(annotations[name], value, place.at(name)) for name, value in own.items()}
+        values = {name: converted(annotations[name], value, place.at(name), nest) for name, value in own.items()}
         return _validated(cls, made | values)
     except ValidationError as error:
         raise _translated(error, own, place) from None

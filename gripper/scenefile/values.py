@@ -5,13 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection
 from types import UnionType
-from typing import Annotated, Any, Union, get_args, get_origin
+from typing import Annotated, Any, TypeAlias, Union, get_args, get_origin
 
 import sympy
 
 from gripper.expression import number, parse
-from gripper.fields import Variables
+from gripper.fields import Nested, Variables
 from gripper.scenefile.place import Place, shown
+
+Nest: TypeAlias = Callable[[str, Any, Place], Any]
+"""Makes a plugin of a group from a table at a place."""
 
 
 def read_number(value: Any, place: Place) -> float:
@@ -52,20 +55,23 @@ def _computed(text: str, place: Place, compute: Callable[[str], Any]) -> Any:
         raise place.broken(error) from None
 
 
-def converted(annotation: Any, value: Any, place: Place) -> Any:
+def converted(annotation: Any, value: Any, place: Place, nest: Nest | None = None) -> Any:
     """Turn what TOML gave into what an annotation asks for: expressions, numbers and tuples of them.
 
-    What is no number passes as it is: pydantic judges it.
+    What is no number passes as it is: pydantic judges it. ``nest`` makes the plugins within a plugin.
     """
     origin, arguments = get_origin(annotation), get_args(annotation)
     if origin is Annotated:
+        nested = next((item for item in arguments[1:] if isinstance(item, Nested)), None)
+        if nested and nest:
+            return nest(nested.group, value, place)
         variables = next((item for item in arguments[1:] if isinstance(item, Variables)), None)
         plain = arguments[0]
-        return _text(plain, value, variables, place) if variables else converted(plain, value, place)
+        return _text(plain, value, variables, place) if variables else converted(plain, value, place, nest)
     if origin in (Union, UnionType):
-        return _one_of(arguments, value, place)
+        return _one_of(arguments, value, place, nest)
     if origin is tuple:
-        return _tuple(arguments, value, place)
+        return _tuple(arguments, value, place, nest)
     if annotation is float:
         return read_number(value, place)
     if annotation is bool and not isinstance(value, bool):  # pydantic takes "yes" and 1 too
@@ -81,16 +87,16 @@ def _text(annotation: Any, value: Any, variables: Variables, place: Place) -> An
     return _computed(value, place, lambda text: parse(text, variables.names))
 
 
-def _one_of(annotations: tuple[Any, ...], value: Any, place: Place) -> Any:
+def _one_of(annotations: tuple[Any, ...], value: Any, place: Place, nest: Nest | None) -> Any:
     if isinstance(value, str) and str in annotations:
         return value
     wanted = (tuple,) if isinstance(value, list) else (float, int)
     fitting = [item for item in annotations if item in wanted or get_origin(item) in wanted]
     annotated = [item for item in annotations if get_origin(item) is Annotated]
-    return converted((fitting + annotated)[0], value, place) if fitting or annotated else value
+    return converted((fitting + annotated)[0], value, place, nest) if fitting or annotated else value
 
 
-def _tuple(annotations: tuple[Any, ...], value: Any, place: Place) -> Any:
+def _tuple(annotations: tuple[Any, ...], value: Any, place: Place, nest: Nest | None) -> Any:
     if not isinstance(value, list):
         raise place.error("must be an array", shown(value))
     if len(annotations) == 2 and annotations[1] is Ellipsis:
@@ -98,4 +104,4 @@ def _tuple(annotations: tuple[Any, ...], value: Any, place: Place) -> Any:
     if len(annotations) != len(value):
         raise place.error(f"must have {len(annotations)} entries", f"{len(value)}: {shown(value)}")
     pairs = zip(annotations, value, strict=True)
-    return tuple(converted(annotation, item, place.entry(i)) for i, (annotation, item) in enumerate(pairs))
+    return tuple(converted(annotation, item, place.entry(i), nest) for i, (annotation, item) in enumerate(pairs))

@@ -1,0 +1,25 @@
+"""The check kit for plugin authors: every property that a plugin's kind promises, and what fails of it in a sentence.
+
+    from gripper.testing import check_object
+
+    def test_my_object():
+        check_object(MyObject(radius=0.01))
+
+``gripper.testing.strategies`` has hypothesis strategies of materials, fingers, jaws and objects; nothing else here
+needs hypothesis.
+"""
+
+from gripper.testing.contract import ContractError
+from gripper.testing.fingers import FINGER_PROPERTIES, check_finger
+from gripper.testing.jaws import JAW_PROPERTIES, check_jaw
+from gripper.testing.objects import OBJECT_PROPERTIES, check_object
+
+__all__ = [
+    "FINGER_PROPERTIES",
+    "JAW_PROPERTIES",
+    "OBJECT_PROPERTIES",
+    "ContractError",
+    "check_finger",
+    "check_jaw",
+    "check_object",
+]
