@@ -38,14 +38,24 @@ class PerInstance(Generic[Key, Value]):
         return value
 
 
-def smooth(expression: sympy.Expr) -> sympy.Expr:
-    """Drop the delta functions that kinks leave in second derivatives: the value beside a kink."""
-    return expression.replace(sympy.DiracDelta, lambda *_: sympy.Integer(0))
-
-
 def second_derivatives(gradient: tuple[sympy.Expr, sympy.Expr]) -> tuple[sympy.Expr, sympy.Expr, sympy.Expr]:
-    """Return the entries xx, xy, yy of the Hessian."""
+    """Return the entries xx, xy, yy of the Hessian, with the delta functions of kinks."""
     return sympy.diff(gradient[0], X), sympy.diff(gradient[0], Y), sympy.diff(gradient[1], Y)
+
+
+def second_derivatives_beside_kinks(
+    gradient: tuple[sympy.Expr, sympy.Expr],
+) -> tuple[sympy.Expr, sympy.Expr, sympy.Expr]:
+    """Return the entries xx, xy, yy of the Hessian beside kinks, where the gradient's steps are constants.
+
+    The delta functions are not even made: those of a maximum of ten take a minute.
+    """
+    steps = set[sympy.Expr]().union(*(entry.atoms(sympy.Heaviside, sympy.sign) for entry in gradient))
+    held = {step: sympy.Dummy() for step in steps}
+    again = {constant: step for step, constant in held.items()}
+    along_x, along_y = (entry.xreplace(held) for entry in gradient)
+    xx, xy, yy = second_derivatives((along_x, along_y))
+    return xx.xreplace(again), xy.xreplace(again), yy.xreplace(again)
 
 
 @functools.lru_cache(maxsize=1024)
@@ -55,7 +65,7 @@ def compiled(arguments: tuple[sympy.Symbol, ...], expressions: tuple[sympy.Expr,
 
 
 class _Printer(NumPyPrinter):  # type: ignore[misc]
-    """numpy's pairwise minimum and maximum instead of a reduction over a new array, for their speed."""
+    """numpy's pairwise minimum and maximum, and its step, instead of arrays of all cases, for their speed."""
 
     def _pairwise(self, function: str, expression: sympy.Expr) -> str:
         arguments = [str(self._print(argument)) for argument in expression.args]
@@ -67,14 +77,19 @@ class _Printer(NumPyPrinter):  # type: ignore[misc]
     def _print_Max(self, expression: sympy.Expr) -> str:
         return self._pairwise("maximum", expression)
 
+    def _print_Heaviside(self, expression: sympy.Expr) -> str:
+        return f"heaviside({self._print(expression.args[0])}, 0.5)"
+
 
 class Derivatives:
-    """g, its gradient and its Hessian as numpy functions of x, y and of coefficients.
+    """g, its gradient and its Hessian as numpy functions of x, y and of coefficients, each made when it is asked for.
 
     Parameters
     ----------
-    g, gradient, hessian
-        Expressions in ``X``, ``Y`` and the coefficients; the Hessian's entries are xx, xy, yy.
+    g, gradient
+        Expressions in ``X``, ``Y`` and the coefficients.
+    hessian
+        Its entries xx, xy, yy; those of the gradient beside kinks by default.
     coefficients
         Symbols that each point gives its own value.
     """
@@ -83,19 +98,24 @@ class Derivatives:
         self,
         g: sympy.Expr,
         gradient: tuple[sympy.Expr, sympy.Expr],
-        hessian: tuple[sympy.Expr, sympy.Expr, sympy.Expr],
+        hessian: tuple[sympy.Expr, sympy.Expr, sympy.Expr] | None = None,
         coefficients: tuple[sympy.Symbol, ...] = (),
     ) -> None:
-        arguments = (X, Y, *coefficients)
-        expressions = (g, *gradient, *(smooth(entry) for entry in hessian))
-        self._compile = tuple(functools.partial(compiled, arguments, expressions[:count]) for count in (1, 3, 6))
+        self._arguments = (X, Y, *coefficients)
+        self._g, self._gradient, self._hessian = g, gradient, hessian
         self._functions: dict[int, Callable[..., Any]] = {}
+
+    def _compiled(self, order: int) -> Callable[..., Any]:
+        if order < 2:
+            return compiled(self._arguments, (self._g, *self._gradient)[: 1 + 2 * order])
+        hessian = self._hessian or second_derivatives_beside_kinks(self._gradient)
+        return compiled(self._arguments, (self._g, *self._gradient, *hessian))
 
     def __call__(self, points: Array, order: int, *coefficients: Array) -> tuple[Array, ...]:
         """Return g (n,), the gradient (n, 2) and the Hessian (n, 2, 2) at points (n, 2), up to ``order``."""
         function = self._functions.get(order)
         if function is None:
-            function = self._functions[order] = self._compile[order]()
+            function = self._functions[order] = self._compiled(order)
         values = function(points[:, 0], points[:, 1], *coefficients)
         n = len(points)
         g = np.empty(n)

@@ -8,7 +8,7 @@ import numpy as np
 import sympy
 
 from gripper.objects.base import Array
-from gripper.objects.compiled import Derivatives, X, Y, compiled, second_derivatives
+from gripper.objects.compiled import Derivatives, X, Y, compiled
 
 T = sympy.Symbol("t", real=True)
 """The parameter along a piece, 0 to 1."""
@@ -73,7 +73,7 @@ def corner() -> Derivatives:
     px, py, sign = sympy.symbols("px py sign", real=True)
     g = sign * sympy.sqrt((X - px) ** 2 + (Y - py) ** 2)
     gradient = (sympy.diff(g, X), sympy.diff(g, Y))
-    return Derivatives(g, gradient, second_derivatives(gradient), (px, py, sign))
+    return Derivatives(g, gradient, coefficients=(px, py, sign))
 
 
 def away(points: Array, vertex: Array, direction: Array, hair: float) -> Array:

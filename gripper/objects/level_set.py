@@ -40,7 +40,6 @@ class LevelSet:
         self.half_size = half_size
         self.g = _real(g, names)
         self.gradient = (sympy.diff(self.g, X), sympy.diff(self.g, Y))
-        self.hessian = second_derivatives(self.gradient)
         self.polynomial = bool(self.g.is_polynomial(X, Y))
         self.quadric: Quadric | None = None
         if self.polynomial and not any(entry.free_symbols for entry in self.hessian):
@@ -49,9 +48,14 @@ class LevelSet:
             self.quadric = Quadric((xx / 2, yy / 2, xy, x, y, constant), name=self.names)
 
     @cached_property
+    def hessian(self) -> tuple[sympy.Expr, sympy.Expr, sympy.Expr]:
+        """Its entries xx, xy, yy, with the delta functions of kinks: for bounds."""
+        return second_derivatives(self.gradient)
+
+    @cached_property
     def derivatives(self) -> Derivatives:
         """The compiled form."""
-        return Derivatives(self.g, self.gradient, self.hessian)
+        return Derivatives(self.g, self.gradient)
 
     def evaluate(self, points: Array, order: int) -> tuple[Array, ...]:
         """Return g and its derivatives, as `gripper.objects.Object.evaluate`."""
@@ -109,7 +113,7 @@ class LevelSet:
         g = self.evaluate(edge, 0)[0]
         if g.min() <= 0:
             at = tuple(edge[g.argmin()].tolist())
-            rule = f"make a g that is positive on the edge of the square of half size {h} m about the origin"
+            rule = f"make a g that is positive on the edge of its extent, the square of half size {h} m about the origin"
             raise ValueError(f"{self.names} must {rule}; got {g.min()} at {at}")
         x, y = np.meshgrid(side, side)
         g = self.evaluate(np.column_stack([x.ravel(), y.ravel()]), 1)[0]
@@ -160,9 +164,10 @@ def typical_slope(g: sympy.Expr, half_size: float, name: str = "g") -> float:
     Raises
     ------
     ValueError
-        g is not a real and finite function of x and y.
+        g is not a real and finite function of x and y, has no outline, or is not positive on the edge of that square.
     """
     level_set = LevelSet(g, half_size, name)
+    level_set.check_extent()  # before its outline is traced, which may take seconds
     if not level_set.traced:
         return 1.0
     slopes = np.linalg.norm(level_set.evaluate(np.vstack(level_set.traced), 1)[1], axis=1)
