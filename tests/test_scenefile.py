@@ -1,3 +1,4 @@
+import dataclasses
 import json
 import math
 import tomllib
@@ -14,7 +15,7 @@ from gripper.assemble import setting
 from gripper.fields import Point, Positive, Profile, Surface, check_fields
 from gripper.fingers import S
 from gripper.pose import Pose
-from gripper.registry import installed
+from gripper.registry import installed, load
 from gripper.scenefile import SceneFileError, dumps, loads, read, resolved
 from gripper.scenefile.place import Place
 from gripper.scenefile.tables import build
@@ -22,8 +23,7 @@ from gripper.scenefile.toml import written
 from gripper_plugins.fingers.tapered import Tapered
 from gripper_plugins.fingers.uniform import Uniform
 from gripper_plugins.jaws.triangle import Triangle
-from gripper_plugins.objects.circle import Circle
-from gripper_plugins.objects.ellipse import Ellipse
+from gripper_plugins.objects import Circle, Difference, Ellipse, Grown, Polygon
 
 GALLERY = Path(__file__).parent.parent / "gallery"
 
@@ -236,6 +236,54 @@ def test_no_message_of_pydantic_reaches_the_user():
         assert not any(word in message for word in ("Input should", "validation error", "pydantic", "Value error"))
 
 
+NOTCHED = """
+[object]
+surface = "difference"
+pose = {x = "40 mm", y = "-2 mm"}
+[[object.parts]]
+surface = "grown"
+part = {surface = "polygon", vertices = [["-8 mm", "-8 mm"], ["8 mm", "-8 mm"], [0.008, 0], [-0.008, 0]]}
+distance = "1 mm"
+[[object.parts]]
+surface = "circle"
+radius = "2 mm"
+pose = {y = "1 mm", angle = "10 deg"}
+"""
+
+
+def test_objects_within_objects_are_tables_within_tables():
+    read, angle = loads(MATERIAL + FINGER + NOTCHED), math.radians(10)
+    corners = ((-0.008, -0.008), (0.008, -0.008), (0.008, 0.0), (-0.008, 0.0))
+    block = Grown(part=Polygon(vertices=corners), distance=0.001)
+    assert read.object.body == Difference(parts=(block, Circle(radius=0.002).at(y=0.001, angle=angle)))
+    assert read.object.pose == Pose(x=0.04, y=-0.002)
+    assert loads(dumps(read)).object == read.object
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "message"),
+    [
+        ('radius = "2 mm"', "radius = -1", "object.parts[1].radius: must be a positive number"),
+        ('radius = "2 mm"', "radus = 1", "object.parts[1].radus: must be a known key: surface, pose, radius"),
+        ('surface = "circle"', 'surface = "circel"', "object.parts[1].surface: must be a plugin that works"),
+        ('pose = {y = "1 mm"', 'pose = {y = "q"', "object.parts[1].pose.y: must hold known names only"),
+        ('distance = "1 mm"', "distance = 0", "object.parts[0].distance: must be a positive number"),
+        ('surface = "polygon", ', "", "object.parts[0].part.surface: must be one of circle"),
+    ],
+)
+def test_a_bad_object_within_an_object_is_named_by_its_place(one, other, message):
+    assert one in NOTCHED
+    assert message in message_of(MATERIAL + FINGER + NOTCHED.replace(one, other))
+
+
+def test_objects_within_objects_have_an_end():
+    inner = '{surface = "circle", radius = 1}'
+    for _ in range(10):
+        inner = f'{{surface = "grown", distance = 1, part = {inner}}}'
+    text = MATERIAL + FINGER + f'[object]\nsurface = "grown"\ndistance = 1\npart = {inner}\n'
+    assert "must lie within at most 8 other objects" in message_of(text)
+
+
 def test_the_rotating_finger_of_the_gallery_has_the_papers_numbers():
     scene = read(GALLERY / "rotating_finger.toml")
     finger, target = scene.finger, scene.object
@@ -368,7 +416,11 @@ def test_every_installed_plugin_says_which_keys_are_missing():
     }
     for group, template in templates.items():
         for record in installed(group):
-            assert "must be given; got" in message_of(template.format(name=record.name))
+            text = template.format(name=record.name)
+            if any(field.default is dataclasses.MISSING for field in dataclasses.fields(load(group, record.name))):
+                assert "must be given; got" in message_of(text)
+            else:
+                assert loads(text)
 
 
 VALUES = st.one_of(
