@@ -10,6 +10,7 @@ import typer
 
 from gripper.cli.plugins import plugins as _plugins
 from gripper.cli.run import run as _run
+from gripper.cli.study import study as _study
 from gripper.cli.verify import verify as _verify
 
 app = typer.Typer(
@@ -21,6 +22,7 @@ app = typer.Typer(
 app.command("run")(_run)
 app.command("verify")(_verify)
 app.command("plugins")(_plugins)
+app.command("study")(_study)
 
 
 def main() -> None:

@@ -11,7 +11,7 @@ stop wherever the energy happens to be small.
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -52,6 +52,10 @@ class PublishedResult:
         Of SLSQP, and of the energy (those spent on differences included).
     seconds
         CPU time with the start, without compiling finger and object.
+    x
+        The unknowns.
+    multipliers
+        Of the gaps.
     """
 
     force_on_object: tuple[float, float]
@@ -61,6 +65,8 @@ class PublishedResult:
     iterations: int
     evaluations: int
     seconds: float
+    x: Array = field(repr=False, compare=False)
+    multipliers: Array = field(repr=False, compare=False)
 
 
 class PublishedProblem:
@@ -209,7 +215,7 @@ def solve_as_published(
     shear: Shear = "element",
     gradients: Gradients = "exact",
     ftol: float = 1e-9,
-    start: Start = "arc",
+    start: Start | Array = "arc",
 ) -> PublishedResult:
     """One pose by the published scheme and SciPy's SLSQP: raw node angles, no check of what comes back.
 
@@ -222,7 +228,8 @@ def solve_as_published(
     ftol
         SLSQP's, absolute, in units of EI(0) / L.
     start
-        "arc", the least one that clears the object, so that it lands on the right side; or the "straight" finger.
+        "arc", the least one that clears the object, so that it lands on the right side; the "straight" finger; or
+        unknowns (n,), as those of a neighbouring pose.
 
     Raises
     ------
@@ -232,11 +239,12 @@ def solve_as_published(
     Source: C.-C. Lan and K.-M. Lee, section 2.5 and section 3.
     """
     _check_word("gradients", gradients, Gradients)
-    _check_word("start", start, Start)
+    if isinstance(start, str):
+        _check_word("start", start, Start)
     problem = PublishedProblem(scene, parameter, N, shear)
     began = time.process_time()
     solution = minimize(
-        x0=problem.start(start),
+        x0=problem.start(start) if isinstance(start, str) else start,
         method="SLSQP",
         options={"ftol": ftol, "maxiter": _MOST_ITERATIONS},
         **_arguments(problem, gradients),
@@ -251,6 +259,8 @@ def solve_as_published(
         iterations=int(solution.nit),
         evaluations=int(solution.nfev),
         seconds=seconds,
+        x=solution.x,
+        multipliers=solution.multipliers,
     )
 
 
