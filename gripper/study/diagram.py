@@ -17,8 +17,8 @@ _WORDS = {
     "depth": "deepest penetration, by L",
 }
 _LEAST, _MOST = 1e-13, 3.0
-_COLOURS = ("#b03a2e", "#e08e79", "#8e5ea2", "#c39bd3", "#2e86c1", "#117a3d", "#7f6a00")
-_MARKS = "svDP^oX"
+_COLOURS = ("#b03a2e", "#e08e79", "#8e5ea2", "#c39bd3", "#2e86c1", "#117a3d", "#7f6a00", "#d4ac0d")
+_MARKS = "svDP^oX*"
 
 
 def diagram(study: WorkPrecision) -> Figure:
@@ -68,13 +68,12 @@ def _legend(ax: Any, names: list[str], study: WorkPrecision) -> None:
     ax.plot([], [], "ko", markerfacecolor="white", ls=":", label="hollow: warm, from the neighbouring pose's answer")
     ax.plot([], [], "kx", ls="", mew=2, label="at the right edge: failed at a place of the object")
     ax.fill_between([], [], color="0.7", alpha=0.5, label="the reference's own uncertainty")
-    ax.legend(loc="upper left", frameon=False, fontsize=10)
+    ax.legend(loc="upper left", frameon=False, fontsize=9)
     notes = (
         "labels: number of elements, or the tolerance asked for",
         f"marks: median over {study.shifts} places of the object, bars to the worst",
         f"CPU time: median of {study.repeats} after a warm-up, one thread",
-        f"not in it: import {study.start_up[0]:.2f} s, compiling finger and object {1e3 * study.start_up[1]:.0f} ms,",
-        "building CasADi's model: set-up in the table",
+        f"not in it: import {study.start_up[0]:.2f} s, compiling finger and object {1e3 * study.start_up[1]:.0f} ms",
         *study.notes,
     )
-    ax.text(0.02, 0.02, "\n".join(notes), transform=ax.transAxes, fontsize=9, va="bottom", wrap=True)
+    ax.text(0.02, 0.02, "\n".join(notes), transform=ax.transAxes, fontsize=8, va="bottom")

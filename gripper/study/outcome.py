@@ -83,10 +83,6 @@ class Counted(Object):
         self.points.append(len(centers))
         return self.body.bounds(centers, radii)
 
-    def at_corner(self, points: Array) -> Array:
-        """Return what the body does."""
-        return self.body.at_corner(points)
-
     def outline(self, box: tuple[float, ...] | None = None, tolerance: float | None = None) -> list[Array]:
         """Return what the body does."""
         return self.body.outline(box, tolerance)  # type: ignore[arg-type]
@@ -100,6 +96,20 @@ class Counted(Object):
     def corner_normals(self) -> Array:
         """The body's."""
         return self.body.corner_normals
+
+    @property
+    def hollows(self) -> Array:
+        """The body's."""
+        return self.body.hollows
+
+    @property
+    def hollow_normals(self) -> Array:
+        """The body's."""
+        return self.body.hollow_normals
+
+    def largest_curvature(self, centers: Array, radii: Array) -> Array:
+        """Return what the body does."""
+        return self.body.largest_curvature(centers, radii)
 
     @functools.cached_property
     def box(self) -> tuple[float, float, float, float]:

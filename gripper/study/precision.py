@@ -8,7 +8,7 @@ import statistics
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -233,12 +233,14 @@ def reference(scene: Scene) -> tuple[Shot, Shot]:
     return shooting(fixed, answer.verified.equilibrium)
 
 
-def _unresolved(works: list[Work], known: dict[str, float]) -> Iterator[str]:
+def _unresolved(works: list[Work], known: dict[str, float]) -> list[str]:
     """Say where the reference is not ten times finer than the best point."""
+    names = []
     for name in ("force", "energy", "place", "shape"):
-        best = min((work.worst[name] for work in works if work.worst), default=1.0)
+        best = min((work.median[name] for work in works if work.median), default=1.0)
         if best < _FINER * known[name]:
-            yield f"{name}: the best points come within ten times the reference's uncertainty; read them as below it"
+            names.append(name)
+    return [f"the best points are too good for the reference to tell ({', '.join(names)})"] if names else []
 
 
 def _measure(method: Method, point: float, places: list[Scene], shots: list[Shot], repeats: int) -> Work:
@@ -276,8 +278,11 @@ def _measure(method: Method, point: float, places: list[Scene], shots: list[Shot
 
 
 def _timed(ready: Prepared, way: str, repeats: int) -> float | None:
+    call = getattr(ready, way)
+    if call is None:
+        return None
     try:
-        return repeated(getattr(ready, way), repeats).median
+        return repeated(call, repeats).median
     except (NoOutcomeError, NoEquilibriumError):  # said where the errors are measured
         return None
 

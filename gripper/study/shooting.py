@@ -29,6 +29,7 @@ from gripper.outline import LOWER, UPPER
 MARKS = np.linspace(0.0, 1.0, 65)
 """Stations (by L) at which shapes are compared."""
 _KNOWN = {"bending", "shear"}
+_FINE, _COARSE = 3e-14, 3e-12  # of the integrator, relative
 _SETTLED = 1e-10
 _STEP = 2e-3  # of L: for derivatives of the stiffness, by differences of eighth order
 _EIGHTH = np.array([1 / 280, -4 / 105, 1 / 5, -4 / 5, 0, 4 / 5, -1 / 5, 4 / 105, -1 / 280])
@@ -99,7 +100,7 @@ class Shooting:
         self.setting, self.obstacle = setting, obstacle
         self.faces = sorted((s for s in sites if s.on_face), key=lambda s: s.place[0])
         self.ends = [s for s in sites if not s.on_face]
-        self.tolerance = 1e-12
+        self.tolerance = _FINE
 
     # the finger
 
@@ -303,9 +304,7 @@ class _Run:
             marks = MARKS[(start < MARKS) & (end >= MARKS)]
             t_eval = marks if len(marks) and marks[-1] == end else np.append(marks, end)
             tolerance = self.problem.tolerance
-            found = solve_ivp(
-                rates, (start, end), self.y, "DOP853", t_eval, rtol=max(tolerance, 3e-14), atol=tolerance / 10
-            )
+            found = solve_ivp(rates, (start, end), self.y, "DOP853", t_eval, rtol=tolerance, atol=tolerance / 10)
             if not found.success:
                 raise NoReferenceError(f"shooting: {found.message}")
             for i in range(len(marks)):
@@ -343,8 +342,8 @@ def shooting(setting: Setting, equilibrium: Equilibrium) -> tuple[Shot, Shot]:
     if not equilibrium.state.sites:
         raise NoReferenceError("nothing touches at this pose: there is no force to compare")
     problem = Shooting(setting, equilibrium.obstacle, equilibrium.state.sites)
-    problem.tolerance = 1e-10
+    problem.tolerance = _COARSE
     start = problem.guess(equilibrium)
     coarse = problem.solve(start)
-    problem.tolerance = 1e-12
+    problem.tolerance = _FINE
     return problem.solve(start), coarse
