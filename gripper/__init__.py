@@ -14,12 +14,16 @@ from gripper.assemble import Problem, assemble
 from gripper.fields import Expression, Finite, Point, Positive, Profile, Surface
 from gripper.fingers import Finger, Jaw, Material
 from gripper.friction import Coefficients, Friction
+from gripper.limits import Limits, Verdict, judged
 from gripper.loop import Loop
+from gripper.materials import material
 from gripper.objects import FeatureSurface, ImplicitSurface, Object
 from gripper.pose import Placed, Pose
 from gripper.result import Contact, Event, PoseResult, Result
 from gripper.scene import Motion, Scene
 from gripper.solve import solve
+from gripper.summary import Summary
+from gripper.tolerances import Tolerances
 from gripper.trace import trace
 
 __all__ = [
@@ -33,6 +37,7 @@ __all__ = [
     "Friction",
     "ImplicitSurface",
     "Jaw",
+    "Limits",
     "Loop",
     "Material",
     "Motion",
@@ -46,8 +51,13 @@ __all__ = [
     "Profile",
     "Result",
     "Scene",
+    "Summary",
     "Surface",
+    "Tolerances",
+    "Verdict",
     "assemble",
+    "judged",
+    "material",
     "solve",
     "trace",
 ]

@@ -108,4 +108,8 @@ def describe(scene: Scene) -> dict[str, Any]:
     }
     if scene.friction:
         tables["friction"] = _friction(scene.friction)
+    if scene.limits:
+        tables["limits"] = dict(scene.limits.bounds)
+    if scene.tolerances:
+        tables["tolerance"] = dict(scene.tolerances.bands)
     return tables | ({"motion": _motion(scene.motion)} if scene.motion else {})

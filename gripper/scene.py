@@ -9,8 +9,10 @@ from typing import Literal, get_args
 from gripper.fields import Finite, Point, Positive, check_fields
 from gripper.fingers import Finger
 from gripper.friction import Friction
+from gripper.limits import Limits
 from gripper.objects import Object
 from gripper.pose import Placed, placed
+from gripper.tolerances import Tolerances
 
 Theory = Literal["auto", "bending", "shear"]
 MOST_POSES = 100_000
@@ -69,6 +71,10 @@ class Scene:
         Asked relative discretisation error of the contact force.
     title
         For figures and reports.
+    limits
+        What the design asks of the summary's numbers; judged on request.
+    tolerances
+        How far its numbers may be off; reckoned with on request.
     """
 
     finger: Placed[Finger] | Finger
@@ -79,6 +85,8 @@ class Scene:
     theory: Theory = "auto"
     tolerance: Positive = 1e-4
     title: str = ""
+    limits: Limits | None = None
+    tolerances: Tolerances | None = None
 
     def __post_init__(self) -> None:
         check_fields(self)

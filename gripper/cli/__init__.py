@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from gripper.cli.check import check as _check
 from gripper.cli.plugins import plugins as _plugins
 from gripper.cli.run import run as _run
 from gripper.cli.study import study as _study
@@ -20,6 +21,7 @@ app = typer.Typer(
     help="Bent shape and contact forces of compliant fingers.",
 )
 app.command("run")(_run)
+app.command("check")(_check)
 app.command("verify")(_verify)
 app.command("plugins")(_plugins)
 app.command("study")(_study)

@@ -12,7 +12,7 @@ from gripper.names import known_names, shortened
 
 Table: TypeAlias = dict[str, Any]
 
-_BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
+BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 _FIELD_ERROR = re.compile(r"(?P<field>\w+)(?P<index>[\[\]0-9]*) (?P<rule>must .*)")
 
 
@@ -43,7 +43,7 @@ class Place:
 
     def at(self, key: str) -> Place:
         """Name a key of this table."""
-        key = key if _BARE_KEY.fullmatch(key) else shortened(repr(key))
+        key = key if BARE_KEY.fullmatch(key) else shortened(repr(key))
         return Place(self.file, f"{self.key}.{key}" if self.key else key)
 
     def entry(self, i: int) -> Place:

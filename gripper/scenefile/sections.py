@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, get_args
 
 import sympy
@@ -14,6 +15,7 @@ from gripper.objects import Object
 from gripper.pose import Placed, Pose
 from gripper.registry import PluginError, installed, load
 from gripper.scene import MOST_POSES, Motion, Scene, Theory
+from gripper.scenefile.design import read_limits, read_material, read_pair, read_tolerances
 from gripper.scenefile.place import (
     Place,
     SceneFileError,
@@ -27,9 +29,9 @@ from gripper.scenefile.place import (
 from gripper.scenefile.tables import build
 from gripper.scenefile.values import converted, read_count, read_expression, read_number
 
-_KEYS = ("title", "material", "finger", "object", "motion", "approach", "friction", "solver")
+_KEYS = ("title", "material", "finger", "object", "motion", "approach", "friction", "solver", "limits", "tolerance")
 _NOT_BUILT = "reserved for a feature that is not built yet"
-_RESERVED = {"limits": _NOT_BUILT, "loads": _NOT_BUILT, "tolerance": f"{_NOT_BUILT}; the solver's is solver.tolerance"}
+_RESERVED = {"loads": _NOT_BUILT}
 _SCENE_FIELDS = {"theory": "solver.theory", "tolerance": "solver.tolerance", "approach": "approach.direction"} | {
     key: f"friction.{key}" for key in ("coefficient", "model", "sense")
 }
@@ -46,15 +48,20 @@ def scene(tables: Table, place: Place) -> Scene:
     check_given(tables, ("material", "finger", "object"), place)
     motion = _motion(*_section(tables, "motion", place)) if "motion" in tables else None
     names = (motion.parameter,) if motion else ()
-    material = build(Material, *_section(tables, "material", place))
+    material = read_material(tables["material"], place.at("material"))
     finger = _finger(tables["finger"], place.at("finger"), material, names)
     target = _object(*_section(tables, "object", place), names)
     optional = _approach(*_section(tables, "approach", place)) | _solver(*_section(tables, "solver", place))
     optional |= _friction(*_section(tables, "friction", place))
+    if "limits" in tables:
+        optional["limits"] = read_limits(tables["limits"], place.at("limits"))
     try:
-        return Scene(finger=finger, object=target, motion=motion, title=_title(tables, place), **optional)
+        made = Scene(finger=finger, object=target, motion=motion, title=_title(tables, place), **optional)
     except ValueError as error:
         raise place.broken(error, _SCENE_FIELDS) from None
+    if "tolerance" not in tables:
+        return made
+    return replace(made, tolerances=read_tolerances(tables["tolerance"], place.at("tolerance"), made))
 
 
 def _section(tables: Table, key: str, place: Place) -> tuple[Table, Place]:
@@ -176,7 +183,13 @@ def _solver(table: Table, place: Place) -> Table:
 def _friction(table: Table, place: Place) -> Table:
     if not table:
         return {}
-    check_keys(table, ("coefficient", "model", "sense"), place)
+    check_keys(table, ("coefficient", "pair", "model", "sense"), place)
+    if "pair" in table:
+        if "coefficient" in table:
+            raise place.error("must have either coefficient or pair", ", ".join(table))
+        table = {key: value for key, value in table.items() if key != "pair"} | {
+            "coefficient": read_pair(table["pair"], place.at("pair"))
+        }
     check_given(table, ("coefficient",), place)
     _choice(table, "model", get_args(Model), place)
     _choice(table, "sense", get_args(Sense), place)

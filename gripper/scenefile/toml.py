@@ -8,7 +8,7 @@ import tomllib
 from typing import Any
 
 from gripper.names import shortened
-from gripper.scenefile.place import Place, SceneFileError, Table
+from gripper.scenefile.place import BARE_KEY, Place, SceneFileError, Table
 
 _LINE = re.compile(r"\(at line (\d+), column (\d+)\)")
 
@@ -41,12 +41,16 @@ def _syntax_error(text: str, message: str, place: Place) -> SceneFileError:
 
 def written(tables: Table, path: str = "") -> str:
     """Write nested dictionaries of numbers, texts, booleans and lists as TOML, each table with its header."""
-    plain = [f"{key} = {_value(value)}" for key, value in tables.items() if not isinstance(value, dict)]
+    plain = [f"{_key(key)} = {_value(value)}" for key, value in tables.items() if not isinstance(value, dict)]
     parts = ["\n".join([f"[{path}]"] * bool(path) + plain)] if plain or path else []
     for key, value in tables.items():
         if isinstance(value, dict):
             parts.append(written(value, f"{path}.{key}" if path else key).rstrip("\n"))
     return "\n\n".join(parts) + "\n"
+
+
+def _key(key: str) -> str:
+    return key if BARE_KEY.fullmatch(key) else _value(key)
 
 
 def _value(value: Any) -> str:
