@@ -11,7 +11,7 @@ multipliers. Every rate is an analytic derivative.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -34,9 +34,9 @@ class Change:
     normals: Complex  # grad g at fixed points, (d, q)
     vertices: Complex  # the object's corners, (d, q)
     ratios: Array  # of friction, at fixed places, (d, q)
-    coefficients: Array  # (d, fields, segments, modes)
-    weights: Array  # forces along grad g, (d, q)
     slips: Array  # conditions of stick, at fixed places of the finger, (d, places)
+    coefficients: Array | None = None  # (d, fields, segments, modes)
+    weights: Array | None = None  # forces along grad g, (d, q)
 
     @classmethod
     def none(cls, touching: Touching, count: int) -> Change:
@@ -52,10 +52,14 @@ class Change:
             normals=np.zeros((count, q), dtype=complex),
             vertices=np.zeros((count, q), dtype=complex),
             ratios=np.zeros((count, q)),
-            coefficients=np.zeros((count, geometry.fields, geometry.segments, geometry.modes)),
-            weights=np.zeros((count, q)),
             slips=np.zeros((count, touching.columns)),
         )
+
+
+    def beside(self, other: Change) -> Change:
+        """These directions and others after them, none of which carries a solution on."""
+        names = [field.name for field in fields(self) if field.name not in ("coefficients", "weights")]
+        return Change(**{name: np.concatenate([getattr(self, name), getattr(other, name)]) for name in names})
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,16 +85,18 @@ def flow(touching: Touching, change: Change) -> Flow:
     offsets = change.offsets + t.offset_slope * change.queries
     slopes = change.offset_slopes + t.offset_bend * change.queries
     points = bending.runs @ t.marks.places.T + (offsets + 1j * t.offset * turns) * t.turn
-    tangents = 1j * turns * t.tangents + t.turn * (slopes + 1j * t.kappa * offsets + _strained(t, change))
+    tangents = 1j * turns * t.tangents + t.turn * (slopes + 1j * t.kappa * offsets)
+    if change.coefficients is not None:
+        tangents += t.turn * _strained(t, change.coefficients)
     normals = change.normals + t.curved(points)
     gaps = change.gaps + dot(t.normal, points)
     presses = _presses(t, normals, tangents)
     return Flow(bending, offsets, turns, points, tangents, normals, presses, gaps, _forces(t, change, presses))
 
 
-def _strained(t: Touching, change: Change) -> Complex:
+def _strained(t: Touching, coefficients: Array) -> Complex:
     """Rate of the tangent in the section's frame from the strains' own."""
-    local = [np.einsum("km,dfkm->dfk", side.modes, change.coefficients[:, :, side.segment]) for side in t.sides]
+    local = [np.einsum("km,dfkm->dfk", side.modes, coefficients[:, :, side.segment]) for side in t.sides]
     bent: Complex = 0.5j * t.offset * (local[0][:, 0] + local[1][:, 0])
     if t.geometry.fields == 2:
         bent = bent + 0.5j * (t.shears[0] * local[0][:, 1] + t.shears[1] * local[1][:, 1])
@@ -113,7 +119,10 @@ def _forces(t: Touching, change: Change, press: Complex) -> Complex:
         middle, slope = t.middle(span)
         if slope:
             ratios[:, span.queries] += slope * (change.queries[:, span.queries] @ middle)[:, None]
-    return change.weights * t.incline * t.press + t.weights * (t.incline * press - 1j * ratios * t.press)
+    forces: Complex = t.weights * (t.incline * press - 1j * ratios * t.press)
+    if change.weights is not None:
+        forces += change.weights * t.incline * t.press
+    return forces
 
 
 def _turning(t: Touching, at: int, tangents: Complex) -> Array:

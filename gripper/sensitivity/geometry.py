@@ -57,7 +57,6 @@ class Bending:
     products: Array  # of h c, bending alone, (d, segments * modes)
     runs: Complex  # of h / 2 exp(i theta), (d, g)
     theta: Array  # (d, g)
-    coefficients: Array  # (d, fields, segments, modes)
 
 
 class Geometry:
@@ -117,12 +116,14 @@ class Geometry:
         places[each, segment] = integrals[:, : self.count] @ self.rule.interpolant
         return Marks(turns.reshape(k, -1), places.reshape(k, -1), table[:, : self.modes], segment)
 
-    def bent(self, lengths: Array, coefficients: Array) -> Bending:
+    def bent(self, lengths: Array, coefficients: Array | None) -> Bending:
         """The changes that follow from those of lengths (d, segments) and coefficients (d, fields, segments, modes)."""
-        products = lengths[:, :, None] * self.coefficients[0] + self.lengths[:, None] * coefficients[:, 0]
+        products = lengths[:, :, None] * self.coefficients[0]
+        if coefficients is not None:
+            products = products + self.lengths[:, None] * coefficients[:, 0]
         flat = products.reshape(len(lengths), self.products.size)
         theta = flat @ self.turns.T
-        if self.fields == 2:
+        if self.fields == 2 and coefficients is not None:
             theta = theta + (coefficients[:, 1] @ self.rule.modes.T).reshape(theta.shape)
         runs = self.direction * (np.repeat(lengths / 2, self.count, axis=1) + 1j * self.halves * theta)
-        return Bending(lengths, flat, runs, theta, coefficients)
+        return Bending(lengths, flat, runs, theta)

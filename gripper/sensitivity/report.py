@@ -119,8 +119,9 @@ def sensitivities(result: Result, keys: Sequence[str] | None = None) -> dict[str
         A result whose equilibria are not known, or a scene that cannot be differentiated.
     """
     scene = result.scene
-    keys = list(numbers(scene)) if keys is None else list(dict.fromkeys(keys))
-    values = {key: number(scene, key) for key in keys}
+    known = numbers(scene)
+    keys = list(known) if keys is None else list(dict.fromkeys(keys))
+    values = {key: known[key] if key in known else number(scene, key) for key in keys}
     refusal(scene)
     kept = [_kept(pose) for pose in result.poses]
     first = next((k for k in kept if k is not None), None)

@@ -97,15 +97,15 @@ def slip_rates(t: Touching, span: Span, change: Change, moved: Flow) -> Array:
     return rates
 
 
-def matrix(touching: Touching) -> Array:
-    """The system's matrix in (z, multipliers, places)."""
+def matrix(touching: Touching, placed: Array) -> Array:
+    """The system's matrix in (z, multipliers, places), from the residual's rates by the places (places, n + m + k)."""
     lin = touching.equilibrium.linear
     n, m = lin.gradients.shape[1], len(lin.values)
     out = np.zeros((n + m + touching.columns,) * 2)
     out[:n, :n] = np.eye(n) - lin.hessian
     out[:n, n : n + m] = -lin.loads.T
     out[n : n + m, :n], out[n + m :, :n] = lin.gradients, lin.residual_gradients
-    out[:, n + m :] = residual(touching, _placed(touching)).stacked.T
+    out[:, n + m :] = placed.T
     return out
 
 
@@ -117,9 +117,9 @@ def _placed(touching: Touching) -> Change:
 
 def rates(touching: Touching, change: Change) -> Rates:
     """The rates of the equilibrium for changes of what is given."""
-    off = residual(touching, change)
-    n, m = off.stationarity.shape[1], touching.rows
-    solution = -np.linalg.solve(matrix(touching), off.stacked.T).T
+    off = residual(touching, _placed(touching).beside(change)).stacked
+    n, m, k = touching.beam.size, touching.rows, touching.columns
+    solution = -np.linalg.solve(matrix(touching, off[:k]), off[k:].T).T
     unknowns, multipliers, places = solution[:, :n], solution[:, n : n + m], solution[:, n + m :]
     breaks, queries, ratios = touching.moves
     weights = [touching.spread(s.site, multipliers[:, s.row : s.row + s.site.multipliers]) for s in touching.spans]

@@ -103,7 +103,9 @@ class Touching:
         if site.kind not in _SPREAD:
             return load[:, :1]
         mean = pressure_rule(site.modes, self.beam.order)[1]
-        return np.pad(load @ mean, ((0, 0), (0, site.unknown_places)))
+        out = np.zeros((len(load), mean.shape[1] + site.unknown_places))
+        out[:, : mean.shape[1]] = load @ mean
+        return out
 
     def _segments(self) -> tuple[Index, Index]:
         """The segments before and after each query (one and the same inside a segment)."""
