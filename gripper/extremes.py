@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 
+from gripper.kept import Kept
 from gripper.pose_result import Record
 
 
@@ -19,11 +20,14 @@ class Extreme(Record):
         The motion's parameter there; None in a scene without motion.
     s
         Place on the finger (m from the clamp), where the value is that of a place.
+    kept
+        The equilibrium there, for sensitivities; None where none is known.
     """
 
     value: float
     parameter: float | None = None
     s: float | None = None
+    kept: Kept | None = dataclasses.field(default=None, compare=False, repr=False)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -35,14 +35,15 @@ class Placement:
 
 @functools.lru_cache(maxsize=256)
 def _compiled(clamp: Pose, body: Pose, parameter: str | None) -> Callable[[float], list[float]]:
-    """The six coordinates and their six rates as one function, differentiated by sympy once a pair of poses."""
+    """The six coordinates, their rates and the rates of these as one function, differentiated by sympy once a pair of poses."""
     symbols = [s for s in clamp.parameters | body.parameters if s.name == parameter]
     q = sympy.Symbol(parameter or "q", real=True)
     coordinates = [
         sympy.sympify(e).subs({s: q for s in symbols})
         for e in (clamp.x, clamp.y, clamp.angle, body.x, body.y, body.angle)
     ]
-    return sympy.lambdify([q], coordinates + [sympy.diff(e, q) for e in coordinates], "math", cse=True)
+    rates = [[sympy.diff(e, q, order) for e in coordinates] for order in (1, 2)]
+    return sympy.lambdify([q], [*coordinates, *rates[0], *rates[1]], "math", cse=True)
 
 
 class Kinematics:
@@ -72,6 +73,19 @@ class Kinematics:
         """Rate of the clamp's angle with the parameter, in rad per unit."""
         return self._values(parameter)[8]
 
+    def clamp_velocity(self, parameter: float) -> complex:
+        """Rate of the clamp's place in the world with the parameter, in m per unit."""
+        return complex(*self._values(parameter)[6:8])
+
+    def acceleration(self, parameter: float) -> tuple[complex, float]:
+        """Rates of the frame's velocity and spin with the parameter."""
+        frame, values = self.frame(parameter), self._values(parameter)
+        x, y, turning, xo, yo, turning_o = values[12:]
+        turn, rate = values[2], values[8]
+        drift = cmath.exp(-1j * turn) / self.length * complex(xo - x, yo - y)
+        gliding = frame.velocity + 1j * rate * frame.origin
+        return drift - 1j * (rate * gliding + turning * frame.origin + rate * frame.velocity), turning_o - turning
+
     def frame(self, parameter: float) -> Frame:
         """The object relative to the clamp, lengths by L, with rates.
 
@@ -80,7 +94,7 @@ class Kinematics:
         ValueError
             Where a pose is not finite.
         """
-        x, y, turn, xo, yo, turn_o, dx, dy, dturn, dxo, dyo, dturn_o = self._values(parameter)
+        x, y, turn, xo, yo, turn_o, dx, dy, dturn, dxo, dyo, dturn_o = self._values(parameter)[:12]
         inverse = cmath.exp(-1j * turn) / self.length
         origin = inverse * complex(xo - x, yo - y)
         velocity = inverse * complex(dxo - dx, dyo - dy) - 1j * dturn * origin

@@ -16,6 +16,7 @@ from gripper.certificate import survey
 from gripper.clearance import clearance
 from gripper.equilibrium import Equilibrium, Setting, State, settle
 from gripper.extremes import Extreme, Extremes
+from gripper.kept import Kept
 from gripper.locking import nearness
 from gripper.loop import Loop
 from gripper.outline import dot
@@ -98,6 +99,8 @@ class Course:
         Of a motion with friction.
     locked
         Friction's nearness to locking where it locks the finger.
+    peaks
+        Equilibria at the peaks of the loop, where they are known.
     """
 
     scene: Scene
@@ -108,6 +111,7 @@ class Course:
     snapped: bool
     loop: Loop | None = None
     locked: Extreme | None = None
+    peaks: Sequence[Equilibrium | None] = ()
 
     def extremes(self) -> Extremes:
         """What is largest or least, in SI units; None what is not known."""
@@ -128,7 +132,8 @@ class Course:
         summit = self.watch.highest(name, self.order)
         if summit is None or summit.value <= 0:
             return Extreme(value=0.0)
-        return Extreme(value=summit.value * unit, parameter=summit.at.parameter)
+        kept = Kept(self.fixed, summit.at.equilibrium)
+        return Extreme(value=summit.value * unit, parameter=summit.at.parameter, kept=kept)
 
     def _force(self, leg: int) -> Extreme | None:
         """The largest force of the drive on a leg; None where it is not known, or has no end (locked)."""
@@ -158,14 +163,19 @@ class Course:
             if leg
             else (loop.peak_insertion_force, loop.peak_insertion_parameter)
         )
-        return Extreme(value=value, parameter=at) if value and value > 0 else Extreme(value=0.0)
+        return Extreme(value=value, parameter=at, kept=self._peak(leg)) if value and value > 0 else Extreme(value=0.0)
+
+    def _peak(self, leg: int) -> Kept | None:
+        found = self.peaks[leg] if leg < len(self.peaks) else None
+        return Kept(self.fixed, found) if found else None
 
     def _strain(self) -> Extreme:
         summit = self.watch.highest("strain", self.order)
         if summit is None or not summit.at.equilibrium.state.sites:
             return Extreme(value=0.0)
         value, s = largest_strain(self.fixed, summit.at.equilibrium)
-        return Extreme(value=value, parameter=summit.at.parameter, s=s * self.fixed.sections.length)
+        kept = Kept(self.fixed, summit.at.equilibrium)
+        return Extreme(value=value, parameter=summit.at.parameter, s=s * self.fixed.sections.length, kept=kept)
 
     def _clearance(self) -> Extreme | None:
         if self.watch.touched is not None:

@@ -8,12 +8,21 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from gripper.answer import drive
-from gripper.equilibrium import NoEquilibriumError, Setting
+from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting
 from gripper.events import Along, Branch, Path
 from gripper.work import Pace, cubic
 
 _MARKS = np.linspace(0.0, 1.0, 17)
 _SHARP = 1e-6  # of the step: where a peak is located to
+
+
+@dataclass(frozen=True, eq=False)
+class Top:
+    """The largest force of a leg, where it is, and the equilibrium there, if it was found."""
+
+    force: float
+    parameter: float
+    equilibrium: Equilibrium | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,8 +54,8 @@ class Peak:
         force = float(np.max(heading * cubic(first.power, last.power, stop - start, _MARKS)))
         return cls(force, start, stop, heading, near)
 
-    def located(self, setting: Setting, path: Path, order: int) -> tuple[float, float]:
-        """The largest force and its parameter, on equilibria of this step."""
+    def located(self, setting: Setting, path: Path, order: int) -> Top:
+        """The largest force, on equilibria of this step."""
         branch = Branch(setting, path, self.near, order)
 
         def against(parameter: float) -> float:
@@ -60,6 +69,6 @@ class Peak:
             places = [*ends, float(found.x)]
             values = [against(place) for place in places]
         except NoEquilibriumError:
-            return self.force, (self.start + self.stop) / 2
+            return Top(self.force, (self.start + self.stop) / 2)
         best = int(np.argmin(values))
-        return -values[best], places[best]
+        return Top(-values[best], places[best], branch.at(places[best]))

@@ -15,6 +15,7 @@ from gripper.kinematics import Kinematics
 from gripper.located import Course, measures, ways
 from gripper.locking import LockedError
 from gripper.loop import Loop
+from gripper.peaks import Top
 from gripper.result import Event, PoseResult, Result
 from gripper.scene import Scene
 from gripper.solve import approach, model, numbers
@@ -88,6 +89,7 @@ class _Follower:
         self.order = first_order(scene.tolerance)
         self.watch = Watch(fixed, kinematics, measures(scene, fixed))
         self.locked: Extreme | None = None
+        self.tops: list[Top] = []
         self._ways = iter(ways(scene.motion.values if scene.motion else ()))
 
     @property
@@ -143,14 +145,14 @@ class _Follower:
         if not isinstance(tracker, FrictionTracker) or not tracker.peaks:
             return None
         unit = self.fixed.sections.energy_scale
-        peaks = [peak.located(self.fixed, self.kinematics, tracker.order) for peak in tracker.peaks[:2]]
-        back = peaks[1] if len(peaks) > 1 else None
+        self.tops = [peak.located(self.fixed, self.kinematics, tracker.order) for peak in tracker.peaks[:2]]
+        there, back = self.tops[0], self.tops[1] if len(self.tops) > 1 else None
         return Loop(
-            peak_insertion_force=peaks[0][0] * unit,
-            peak_insertion_parameter=peaks[0][1],
-            peak_retention_force=back[0] * unit if back else None,
-            peak_retention_parameter=back[1] if back else None,
-            ratio=back[0] / peaks[0][0] if back and peaks[0][0] > 0 else None,
+            peak_insertion_force=there.force * unit,
+            peak_insertion_parameter=there.parameter,
+            peak_retention_force=back.force * unit if back else None,
+            peak_retention_parameter=back.parameter if back else None,
+            ratio=back.force / there.force if back and there.force > 0 else None,
             work_in=tracker.balance.put_in * unit,
             work_out=tracker.balance.given_back * unit,
             dissipation=tracker.balance.loss * unit,
@@ -160,7 +162,8 @@ class _Follower:
         """What was largest on the way."""
         order = self.tracker.order if self.tracker else self.order
         snapped = any(event.kind == "snap" for event in self.events)
-        course = Course(self.scene, self.fixed, self.watch, order, poses, snapped, loop, self.locked)
+        peaks = [top.equilibrium for top in self.tops]
+        course = Course(self.scene, self.fixed, self.watch, order, poses, snapped, loop, self.locked, peaks)
         return course.extremes()
 
     def _begin(self, value: float) -> Tracker:

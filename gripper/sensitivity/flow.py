@@ -55,7 +55,6 @@ class Change:
             slips=np.zeros((count, touching.columns)),
         )
 
-
     def beside(self, other: Change) -> Change:
         """These directions and others after them, none of which carries a solution on."""
         names = [field.name for field in fields(self) if field.name not in ("coefficients", "weights")]

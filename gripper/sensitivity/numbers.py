@@ -6,6 +6,7 @@ from typing import TypeAlias
 
 import numpy as np
 
+from gripper.answer import largest_strain
 from gripper.arrays import Array, Complex
 from gripper.equilibrium import Equilibrium
 from gripper.outline import dot
@@ -15,7 +16,6 @@ from gripper.sensitivity.touching import Touching
 
 Table: TypeAlias = dict[str, Array]
 """Rates by name: (p,), or (p, 2) of vectors."""
-_PER_SEGMENT = 13  # samples of the strain, as the pose's own
 
 
 def pose_rates(seeds: Seeds, equilibrium: Equilibrium) -> Table:
@@ -97,6 +97,7 @@ class Reading:
         t, moved, frame = self.touching, self.rates.flow, self.touching.obstacle.frame
         velocities = t.obstacle.velocities(t.points)
         changes = self.frames.velocity[:, None] + 1j * frame.spin * (moved.points - self.frames.origin[:, None])
+        changes += 1j * self.frames.spin[:, None] * (t.points - frame.origin)
         rate = (dot(moved.forces, velocities) + dot(t.forces, changes)).sum(axis=1)
         whole = float(dot(t.forces, velocities).sum())
         return (rate + whole * self.seeds.log_energy) * self.scales.energy_scale
@@ -113,29 +114,28 @@ class Reading:
     def _strain(self) -> Array:
         """Rate of the largest strain at the section where it is: the place is stationary, or held by the segments."""
         t, geometry = self.touching, self.touching.geometry
-        x = np.tile(np.linspace(-1.0, 1.0, _PER_SEGMENT), geometry.segments)
-        segment = np.repeat(np.arange(geometry.segments), x.size // geometry.segments)
-        marks = geometry.marks(x, segment)
-        position = marks.places @ geometry.runs
-        sigma = t.beam.starts[segment] + t.beam.lengths[segment] * (x + 1) / 2
-        places = np.where(t.flexible > 0, t.s, 2.0)
-        beyond = places[None, :] > sigma[:, None] - x[:, None] * 5e-10  # which side of a force a sample is on
-        arms = t.points[None, :] - position[:, None]
-        moments = np.sum(beyond * (arms.conj() * t.forces).imag, axis=1)
-        stiff = t.setting.sections.EI(sigma)
-        thick = t.setting.sections.thickness(sigma)
-        at = int(np.argmax(np.abs(moments) / stiff * thick))
-        place = sigma[at : at + 1]
-        stiffer, thicker = self._section_rates(place, segment[at], x[at])
-        moved = (self.rates.flow.bending.runs @ marks.places[at])[:, None]
-        moment = np.sum(
-            beyond[at]
-            * ((self.rates.flow.points - moved).conj() * t.forces + arms[at].conj() * self.rates.flow.forces).imag,
-            axis=1,
-        )
-        value = abs(moments[at]) / stiff[at] * thick[at] / 2
-        relative = moment / moments[at] - stiffer / stiff[at] + thicker / thick[at]
-        return np.asarray(value * relative)
+        value, s = largest_strain(t.setting, t.equilibrium)
+        segment, x = self._section(s)
+        marks = geometry.marks(np.array([x]), np.array([segment]))
+        position = complex((marks.places @ geometry.runs)[0])
+        beyond = np.where(t.flexible > 0, t.s, 2.0) > s - x * 5e-10  # which side of a force a break is read on
+        arms = t.points - position
+        moment = float(np.sum(beyond * (arms.conj() * t.forces).imag))
+        changes = self.rates.flow.points - self.rates.flow.bending.runs @ marks.places.T
+        rate = (beyond * (changes.conj() * t.forces + arms.conj() * self.rates.flow.forces).imag).sum(axis=1)
+        place = np.array([s])
+        stiffer, thicker = self._section_rates(place, segment, x)
+        stiff, thick = t.setting.sections.EI(place)[0], t.setting.sections.thickness(place)[0]
+        return np.asarray(value * (rate / moment - stiffer / stiff + thicker / thick))
+
+    def _section(self, s: float) -> tuple[int, float]:
+        """The segment in which a place is read, and where in it; at a break the side on which the moment is larger."""
+        beam = self.touching.beam
+        segment = int(beam.segment_of(np.array([s]))[0])
+        x = (s - beam.starts[segment]) / (beam.lengths[segment] / 2) - 1
+        if segment and x < -1 + 1e-9:
+            return segment - 1, 1.0
+        return segment, float(np.clip(x, -1.0, 1.0))
 
     def _section_rates(self, sigma: Array, segment: int, x: float) -> tuple[Array, Array]:
         """Rates of EI and w / L at a place of a segment that moves with it."""

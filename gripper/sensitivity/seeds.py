@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import cmath
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 import sympy
@@ -23,6 +23,7 @@ from gripper.sensitivity.object_rates import ObjectRates
 from gripper.sensitivity.tangent import Rates, rates
 from gripper.sensitivity.touching import Span, Touching
 
+MOTION = "the motion's parameter"
 _POSES = ("x", "y", "angle")
 
 
@@ -33,6 +34,7 @@ class FrameRates:
     origin: Complex
     angle: Array
     velocity: Complex
+    spin: Array
     clamp: Complex  # in m
     clamp_angle: Array
 
@@ -77,7 +79,9 @@ class Seeds:
     scene, setting
         What is solved.
     keys
-        Numbers, as :func:`gripper.parameters.numbers` names them; by default all.
+        Numbers, as :func:`gripper.parameters.numbers` names them.
+    moving
+        Whether to add the motion's parameter, after all numbers.
 
     Raises
     ------
@@ -87,13 +91,13 @@ class Seeds:
         A plugin whose formulas sympy cannot differentiate.
     """
 
-    def __init__(self, scene: Scene, setting: Setting, keys: Sequence[str]) -> None:
+    def __init__(self, scene: Scene, setting: Setting, keys: Sequence[str], *, moving: bool = False) -> None:
         known = numbers(scene)
         for key in keys:
             if key not in known:
                 rule = "be a number that the scene has, to be differentiated by"
                 raise ValueError(f"{key} must {rule} (without friction there is no side to slip to); got none")
-        self.scene, self.setting, self.keys = scene, setting, tuple(keys)
+        self.scene, self.setting, self.keys = scene, setting, (*keys, *([MOTION] if moving else []))
         self._origins: dict[int, tuple[Equilibrium, Touching, FrameRates, Rates]] = {}
         self.kinematics = Kinematics(scene, setting.sections.length)
         finger = {self._inner(key): known[key] for key in keys if self._table(key) == "finger"}
@@ -146,7 +150,13 @@ class Seeds:
         origin = back * (body[0] - held[0]) - frame.origin * (1j * held[1] + self.log_length)
         drift = frame.velocity + 1j * turning * frame.origin
         velocity = -drift * (1j * held[1] + self.log_length) - 1j * turning * origin
-        return FrameRates(origin, body[1] - held[1], velocity, held[0], held[1])
+        found = FrameRates(origin, body[1] - held[1], velocity, np.zeros(len(self.keys)), held[0], held[1])
+        if self.keys[-1:] == (MOTION,):
+            clamp = kinematics.clamp_velocity(value)
+            drive = (frame.velocity, frame.spin, *kinematics.acceleration(value), clamp, turning)
+            for field, rate in zip(fields(found), drive, strict=True):
+                getattr(found, field.name)[-1] = rate
+        return found
 
     def _shifts(self, name: str) -> tuple[Complex, Array]:
         """Rates of a pose in the world: place and angle."""
@@ -199,7 +209,11 @@ class Seeds:
             found = rates(touching, self.change(touching, frames))
             self._origins[id(equilibrium)] = equilibrium, touching, frames, found
         _, touching, frames, found = self._origins[id(equilibrium)]
-        return anchor_rates(touching, touching.spans[number], found, frames)
+        moved = anchor_rates(touching, touching.spans[number], found, frames)
+        if self.keys[-1:] == (MOTION,):
+            for field in fields(moved):
+                getattr(moved, field.name)[-1] = 0.0  # the motion goes on, its past stays
+        return moved
 
     def _of_finger(self, t: Touching, change: Change) -> None:
         rows = self._finger_rows
