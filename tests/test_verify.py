@@ -404,6 +404,16 @@ def test_friction_reproduces_its_reference_of_the_rotating_finger(name, start, l
     assert_as_reference(*rotating(name, start, poses, law=law, mu=0.2), within=0.005)
 
 
+def test_where_slip_turns_the_answer_does_not_depend_on_how_far_apart_the_poses_are():
+    def last(*values):
+        scene = scenes.rotating_finger(*values, friction=gr.Friction(coefficient=0.2))
+        return follow(scene, values, elements=(27, 3))[-1]
+
+    far, near = last(0.03, 0.0508), last(0.03, 0.04, 0.044, *np.arange(0.046, 0.0507, 5e-4), 0.0508)
+    assert near.contacts[0].state == "stick"  # most points have turned, the beam slips the other way already
+    assert math.dist(far.force, near.force) < 0.01 * math.hypot(*near.force)
+
+
 @pytest.mark.parametrize(
     ("name", "jaw", "mu", "within"),
     [

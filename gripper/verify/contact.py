@@ -34,6 +34,8 @@ class Contact:
         The object's corners.
     edges
         Nodes of the outline's edges (e, 3).
+    part
+        On which part of the outline these are, (e,).
     body
         The object.
     friction
@@ -45,6 +47,7 @@ class Contact:
     places: Places
     corners: Corners
     edges: Index
+    part: Index
     body: Object
     friction: Array
     sense: Array

@@ -16,12 +16,14 @@ from gripper.verify.touch import History
 
 LONGEST = 0.15  # of L: a step without friction
 ROUGH = 0.05  # of L: with friction, where the way matters
+TURNING = 5e-3  # of L: where slip turns, as a longer step would see the net slip alone
 SHORTEST = 1e-4  # of L: where steps this short fail, the equilibrium has ended, or needs damping to be found
 GROWTH = 1.5  # of a step on the one before
 DEEPEST = 1e-3  # of the thickness: a deeper contact is no answer
 THINNEST = 1e-3  # of L: steps no shorter than this for a thin object's sake
 JUMP = 1e-2  # of L: a larger motion of a node is a snap
 _FURTHEST = 20.0  # of L: beyond this no retreat is tried
+_STILL = 1e-3  # slip over the object's way: less is none
 _AHEAD = 1e-3  # of L: how far the motion is looked ahead for the sense of its first slip
 _DESCENTS = 200
 _LOOSE = 1e-7  # of E b: drag that an equilibrium does not need any more
@@ -92,6 +94,7 @@ class Follower:
         self.history = History(positions, frame, np.zeros(self.system.contact.count))
         self._solution = Solution(unknowns, positions, self.system.contact.touch(positions, frame, self.history), 0)
         self._rate = np.zeros_like(unknowns)
+        self._slip, self._pace = np.zeros(4), 0.0
         if back:
             slides = self.system.contact.rough and towards != start
             if slides:
@@ -103,6 +106,7 @@ class Follower:
                 self._slide(path, start, towards)
         self._path, self._at, self.snapped = path, start, False
         self._rate = np.zeros_like(unknowns)
+        self._slip, self._pace = np.zeros(4), 0.0
 
     def _slide(self, path: Path, start: float, towards: float) -> None:
         """Rub as the motion will, from an equilibrium without friction on."""
@@ -184,9 +188,21 @@ class Follower:
                 raise NoSolutionError("the step departs from its prediction")
         if solution.touch.at.size and not self.system.stable(solution):
             raise NoSolutionError("the equilibrium is not stable")
+        if self.system.contact.rough and distance:
+            self._turn(solution, frame, distance)
         if distance and self._solution.touch.at.size:
             self._rate = (solution.unknowns - self._solution.unknowns) / distance
         self._accept(following, frame, solution)
+
+    def _turn(self, solution: Solution, frame: Frame, distance: float) -> None:
+        """Refuse a step at whose end a contact, by the trend of its slip over two steps, slips the other way."""
+        touch = solution.touch
+        slip = touch.slip(self.history, frame, self.system.contact.part[touch.edge]) / distance
+        trend = (slip - self._slip) * distance / (distance + self._pace)
+        turns = (self._slip * slip != 0) & (slip * (slip + trend) < 0) & (np.abs(trend) > _STILL)
+        if distance > TURNING * self.setting.length and np.any(turns):
+            raise NoSolutionError("slip turns within the step")
+        self._slip, self._pace = slip, distance
 
     def _accept(self, parameter: float, frame: Frame, solution: Solution) -> None:
         friction = np.zeros(self.system.contact.count)
@@ -214,7 +230,7 @@ class Follower:
             self._accept(following, frame, solution)
             drag, floor = max(drag / 3, floor), floor / 1.5
             if drag < _LOOSE and moved < JUMP * L:
-                self._rate = np.zeros_like(self._rate)
+                self._rate, self._slip = np.zeros_like(self._rate), np.zeros_like(self._slip)
                 self._step(following)
                 self.snapped |= bool(np.max(np.abs(self.history.positions - before)) > JUMP * L)
                 return

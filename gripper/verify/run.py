@@ -121,7 +121,7 @@ def assembled(scene: Scene, model: Model) -> tuple[Setting, Mesh]:
     thickness, E, b = float(w.min()), material.youngs_modulus, float(mesh.width(stations[:1])[0])
     corners = Corners.of(mesh, np.asarray(body.corners, dtype=float), E, thickness)
     rough = coefficients(scene, mesh), senses(scene, mesh)
-    contact = Contact(places(mesh, E, thickness), corners, mesh.outline.edges, body, *rough)
+    contact = Contact(places(mesh, E, thickness), corners, mesh.outline.edges, mesh.outline.part, body, *rough)
     floor = E * b * (1e-9 * w[0] ** 3 / 12 / finger.length**2 + _ROUND_OFF * finger.length**2 / mesh.size)
     system = System(Body(mesh, elements), elements, contact, float(floor))
     reach = float(min(np.hypot(*np.abs(np.reshape(body.box, (2, 2))).max(axis=0)), 2 * finger.length))

@@ -92,6 +92,23 @@ class Touch:
         rows, columns = np.repeat(dofs, 6, axis=1), np.tile(dofs, 6)
         return self.stiffness.ravel(), rows.ravel(), columns.ravel()
 
+    def slip(self, history: History, frame: Frame, groups: Index) -> Array:
+        """Mean slip past the object since the last pose, weighted by N, of each group of points: in m, (4,).
+
+        Parameters
+        ----------
+        history, frame
+            The last pose, and where the object is now.
+        groups
+            Number of each point's group (m,), from 0 to 3; one without points gives 0.
+        """
+        force = self.forces.sum(axis=1)
+        shares = np.einsum("kai,ki->ka", self.forces, force) / np.sum(force**2, axis=1)[:, None]
+        slid = history.slid(self.nodes, shares, self.points, frame)
+        along = self.normals[:, 0] * slid[:, 1] - self.normals[:, 1] * slid[:, 0]
+        weight = np.bincount(groups, self.normal, 4)
+        return np.bincount(groups, self.normal * along, 4) / np.where(weight > 0, weight, 1.0)
+
     @property
     def on_object(self) -> Array:
         """Force of the finger on the object (2,), in N, in the clamp's frame."""
