@@ -9,6 +9,7 @@ from typing import Annotated, Literal
 import sympy
 
 from gripper.fields import Positive, Profile, Rule, check_fields
+from gripper.kinks import kinks_of
 from gripper.pose import Placeable
 
 S = sympy.Symbol("s", real=True)
@@ -128,5 +129,6 @@ class Finger(Placeable, ABC):
         return sympy.sympify(self.width).subs(S, s)
 
     def kinks(self) -> tuple[float, ...]:
-        """Arc lengths (m), between 0 and L, where w or b or their slopes jump; none by default."""
-        return ()
+        """Arc lengths (m), rising between 0 and L, where w or b or their slopes jump: found from the expressions."""
+        profiles = sympy.sympify(self.w(S)), sympy.sympify(self.b(S))
+        return tuple(sorted({place for profile in profiles for place in kinks_of(profile, S, self.length)}))

@@ -13,6 +13,7 @@ import sympy
 from gripper.arrays import Array
 from gripper.fingers import Finger, S
 from gripper.interval import NoEnclosureError, enclose_all
+from gripper.kinks import beside_kinks
 
 _PARTS = 16
 _CHECKED = np.linspace(0.0, 1.0, 129)
@@ -83,7 +84,7 @@ def sections(finger: Finger) -> Sections:
     """
     w, b = sympy.sympify(finger.w(S)), sympy.sympify(finger.b(S))
     thickness, width = _compiled(w), _compiled(b)
-    profile = sympy.lambdify([S], [w, sympy.diff(w, S), sympy.diff(w, S, 2)], "numpy", cse=True)
+    profile = sympy.lambdify([S], [w, sympy.diff(w, S), beside_kinks(sympy.diff(w, S, 2))], "numpy", cse=True)
     stations = _CHECKED * finger.length
     for name, function in (("thickness", thickness), ("width", width)):
         with np.errstate(all="ignore"):
@@ -103,7 +104,9 @@ def sections(finger: Finger) -> Sections:
 def _bounds(w: sympy.Expr, length: float) -> tuple[float, float, float]:
     marks = np.linspace(0.0, length, _PARTS + 1)
     try:
-        ranges = enclose_all([sympy.diff(w, S, order) for order in range(3)], {S: (marks[:-1], marks[1:])})
+        ranges = enclose_all(
+            [beside_kinks(sympy.diff(w, S, order)) for order in range(3)], {S: (marks[:-1], marks[1:])}
+        )
     except NoEnclosureError:
         return (np.inf,) * 3
     largest = [float(np.max(np.maximum(np.abs(low), np.abs(high)))) for low, high in ranges]

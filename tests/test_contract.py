@@ -68,6 +68,14 @@ SAMPLES = {
         "spline": [{"points": BEAN}, {"points": HEXAGON}, {"points": BEAN[::-1]}],
     },
     "gripper.fingers": {
+        "formula": [
+            {**BEAM, "thickness": 0.01 + 0.002 * sympy.cos(60 * S)},
+            {**BEAM, "thickness": sympy.Max(0.004, 0.01 - S / 10), "width": 0.01 + sympy.Abs(S - 0.03) / 5},
+        ],
+        "stepped": [
+            {**BEAM, "stations": (0, 0.05, 0.05, 0.1), "thicknesses": (0.01, 0.008, 0.012, 0.006)},
+            {**BEAM, "stations": (0, 0.02, 0.1), "thicknesses": (0.01, 0.01, 0.006)},
+        ],
         "uniform": [{**BEAM, "thickness": 0.01}],
         "tapered": [
             {**BEAM, "base_thickness": 0.02, "tip_thickness": 0.005},
@@ -99,6 +107,14 @@ BAD = {
         "spline": [("points", HEXAGON[:2]), ("points", (HEXAGON[0], HEXAGON[0], *HEXAGON[1:]))],
     },
     "gripper.fingers": {
+        "formula": [("thickness", sympy.Symbol("q")), ("thickness", np.nan)],
+        "stepped": [
+            ("stations", (0, 0.05, 0.09)),
+            ("stations", (0, 0.06, 0.05, 0.1)),
+            ("stations", (0, 0.1)),
+            ("thicknesses", (0.01, 0.0, 0.01, 0.01)),
+            ("stations", (0, 0, 0.05, 0.1)),
+        ],
         "uniform": [("thickness", 0.0), ("length", -1.0), ("width", "wide")],
         "tapered": [("tip_thickness", 0.0), ("base_thickness", np.inf), ("length", 0.0)],
     },
@@ -188,4 +204,5 @@ def test_a_finger_s_thickness_is_the_one_named_at_its_ends(finger):
     names = {field.name for field in dataclasses.fields(finger)}
     for name, s in (("thickness", 0.0), ("base_thickness", 0.0), ("tip_thickness", finger.length)):
         if name in names:
-            assert float(sympy.sympify(finger.w(S)).subs(S, s)) == pytest.approx(getattr(finger, name))
+            named = float(sympy.sympify(getattr(finger, name)).subs(S, s))
+            assert float(sympy.sympify(finger.w(S)).subs(S, s)) == pytest.approx(named)

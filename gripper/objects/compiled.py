@@ -58,6 +58,11 @@ def second_derivatives_beside_kinks(
     return xx.xreplace(again), xy.xreplace(again), yy.xreplace(again)
 
 
+def smooth(expression: sympy.Expr) -> sympy.Expr:
+    """Drop the delta functions that kinks leave in second derivatives: the value beside a kink."""
+    return expression.replace(sympy.DiracDelta, lambda *_: sympy.Integer(0))
+
+
 @functools.lru_cache(maxsize=1024)
 def compiled(arguments: tuple[sympy.Symbol, ...], expressions: tuple[sympy.Expr, ...]) -> Callable[..., Any]:
     """Compile all expressions into one numpy function, common subexpressions shared."""

@@ -10,6 +10,7 @@ import sympy
 
 from gripper.arrays import Array
 from gripper.fingers import Finger, S
+from gripper.kinks import beside_kinks
 from gripper.sections import sections
 from gripper.testing.contract import Property, fits, has_the_manners_of_data, require, run, survives_a_scene_file
 
@@ -88,7 +89,7 @@ def _jump(function: Callable[[Array], Array], stretches: list[Array]) -> tuple[f
 
 
 def _compiled(profile: sympy.Expr) -> Callable[[Array], Array]:
-    function = sympy.lambdify([S], profile, "numpy")
+    function = sympy.lambdify([S], beside_kinks(profile), "numpy")
     return lambda s: np.asarray(function(s), dtype=float) * np.ones_like(s)
 
 
