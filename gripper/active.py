@@ -15,7 +15,7 @@ from gripper.contact import NARROW, WIDE, Site, linearise
 from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, anchored, settle
 from gripper.grip import dressed
 from gripper.obstacle import Obstacle
-from gripper.outline import LOWER, UPPER, Axis
+from gripper.outline import LOWER, UPPER
 
 _ROUNDS = 5
 _STRETCH = 0.05  # of L: half of a stretch about a penetration
@@ -39,6 +39,7 @@ _TOGETHER = 0.02  # of L: tangents nearer than this are one contact
 _TIP = 0.1  # of L: a contact this near to the tip may be the corner's
 _GRAZING = 1e-12  # of L: a gap's round-off
 _FLAT = 1e-4  # curvature of the gap, times L: below it a tangent's place is held by the next order
+_NOTHING = 1e-13  # over EI / L^2: the round-off of no force
 _PULL = 1e-9  # relative: multipliers this negative are round-off
 REACH = 0.05
 """Stretches of outline this near to the object (by L) are candidates from the start; the survey adds others."""
@@ -121,7 +122,7 @@ def _flat_until(setting: Setting, obstacle: Obstacle, state: State, site: Site, 
     """How far along its face a contact's flat goes on, within reach."""
     u = np.linspace(site.place[0], min(site.place[0] + reach, 1.0), 33)
     piece = np.full(u.size, site.piece)
-    points, *_ = setting.outline.trace(Axis.of(state.beam, state.z), piece, u, state.beam.segment_of(u))
+    points, *_ = setting.outline.trace(state.axis, piece, u, state.beam.segment_of(u))
     _, normal = obstacle.slope(points)
     turned = np.abs(normal / np.abs(normal) - normal[0] / abs(normal[0])) > _TURNED
     return float(u[np.argmax(turned) - 1]) if turned.any() else float(u[-1])
@@ -184,6 +185,8 @@ def objection(setting: Setting, equilibrium: Equilibrium) -> str | None:
         loads.append(state.multipliers[first : first + site.multipliers])
         first += site.multipliers
     largest = float(np.max(np.abs(state.multipliers), initial=0.0))
+    if state.sites and largest < _NOTHING:
+        return "no contact carries anything"
     for site, load in zip(state.sites, loads[1:], strict=True):
         pressure = legendre(_ACROSS, site.modes) @ load
         allowed = _PULL * largest if site.modes <= NARROW else _RIPPLE * float(np.max(pressure))
@@ -358,7 +361,7 @@ def _sunken(
     if not len(obstacle.corners) or not (found.deepest or found.sunken):
         return {}
     out = {}
-    for piece, heights in vertex_heights(setting, obstacle, Axis.of(state.beam, state.z), found).items():
+    for piece, heights in vertex_heights(setting, obstacle, state.axis, found).items():
         for number in [c.vertex for c in known if c.kind == "vertex" and c.piece == piece]:
             heights[number] = np.inf
         number = int(np.argmin(heights))
@@ -373,7 +376,7 @@ def _active_sets(
     """The sets of contacts that SLSQP's answer may mean, the likeliest first."""
     gaps = problem.gaps(x) / setting.sections.length
     load = multipliers * problem.scale**2 / problem.gap_scale
-    strong = load > _ACTIVE * max(float(np.max(load, initial=0.0)), 1e-300)
+    strong = load > max(_ACTIVE * float(np.max(load, initial=0.0)), _NOTHING)
     chosen: list[tuple[Site, float]] = []
     for site, candidate, force, gap, active in zip(
         problem.sites(x), problem.candidates, load, gaps, strong, strict=True

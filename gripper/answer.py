@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -13,18 +14,21 @@ from gripper.arrays import Array, Complex
 from gripper.beam import Beam
 from gripper.clearance import clearance
 from gripper.contact import Linearisation, Site, linearise
-from gripper.equilibrium import Equilibrium, Setting, kkt_step
+from gripper.equilibrium import Equilibrium, Setting, State, kkt_step
 from gripper.grip import tipward
 from gripper.kept import Kept
 from gripper.kinematics import Placement
-from gripper.outline import Axis, Part, dot
+from gripper.outline import Part, dot
+from gripper.parabola import vertex
 from gripper.result import Checks, Contact, ErrorEstimate, PoseResult, Shape
 
 NO_FORCE = 1e-9
 """Total contact force, over EI / L^2, below which a pose is free (grazing is free)."""
 STATIONARY = 1e-8
 BALANCED = 1e-2
-_DRAWN = 81
+_DRAWN = np.linspace(0.0, 1.0, 81)
+_ALONG = np.linspace(0.0, 1.0, 13)
+_each = functools.cache(np.arange)
 _STATES = {"open": "slip", "slip": "slip", "stick": "stick"}
 _CONFORMING = 0.06  # of L: nodes nearer to one another than this are one contact
 
@@ -53,50 +57,81 @@ def check(setting: Setting, verified: Verified) -> Checks:
     The balance compares the moments that the strains carry with those of the contact forces (Lan & Lee eq 6, for any
     number of contacts).
     """
+    return _checked(setting, verified, _Profile.of(setting, verified.equilibrium.state))
+
+
+def _checked(setting: Setting, verified: Verified, seen: _Profile) -> Checks:
     equilibrium, survey = verified.equilibrium, verified.survey
     state, lin = equilibrium.state, equilibrium.linear
-    bound = survey.penetration_bound * setting.sections.length
-    certificate: Literal["proved", "sampled"] = "proved" if survey.proved else "sampled"
-    if not state.sites:
-        return Checks(
-            stationarity=0.0,
-            force_balance=0.0,
-            moment_balance=0.0,
-            stability=1.0,
-            penetration_bound=bound,
-            certificate=certificate,
-        )
-    load = lin.loads.T @ state.multipliers
-    total = max(float(np.sum(np.abs(np.concatenate(lin.forces)))), NO_FORCE)
-    force, moment = _imbalance(setting, equilibrium)
+    stationarity = force = moment = 0.0
+    if state.sites:
+        load = lin.loads.T @ state.multipliers
+        total = max(float(np.abs(loads(equilibrium)[1]).sum()), NO_FORCE)
+        stationarity = float(np.linalg.norm(state.z - load)) / max(float(np.linalg.norm(load)), NO_FORCE)
+        force, moment = (missing / total for missing in _imbalance(setting, equilibrium, seen))
     return Checks(
-        stationarity=float(np.linalg.norm(state.z - load)) / max(float(np.linalg.norm(load)), NO_FORCE),
-        force_balance=force / total,
-        moment_balance=moment / total,
+        stationarity=stationarity,
+        force_balance=force,
+        moment_balance=moment,
         stability=verified.stability if lin.rubbing is None else None,
-        penetration_bound=bound,
-        certificate=certificate,
+        penetration_bound=survey.penetration_bound * setting.sections.length,
+        certificate="proved" if survey.proved else "sampled",
     )
 
 
-def _imbalance(setting: Setting, equilibrium: Equilibrium) -> tuple[float, float]:
+def _imbalance(setting: Setting, equilibrium: Equilibrium, seen: _Profile) -> tuple[float, float]:
     """Force and moment at the clamp that the strains carry beyond the contact forces'.
 
     EI kappa between the clamp and the first contact, less the contact forces' moments about the same sections, is
     fitted by a couple and a force across the chord (a nearly straight finger tells nothing of one along it). It is
     read at the zeros of P_(p+1), where the error of a projection on polynomials of order p is of higher order.
     """
-    state, lin = equilibrium.state, equilibrium.linear
-    x = np.polynomial.legendre.leggauss(state.beam.modes)[0]
-    s = state.beam.breaks[1] * (x + 1) / 2
-    position, _, _, kappa = Axis.of(state.beam, state.z).values(s, np.zeros(s.size, dtype=np.intp))
-    points, forces = np.concatenate(lin.points), np.concatenate(lin.forces)
-    applied = np.sum(((points[None, :] - position[:, None]).conj() * forces).imag, axis=1)
-    missing = setting.sections.EI(s) * kappa - applied
-    chord = position[-1] / abs(position[-1])
-    arms = np.column_stack([np.ones(s.size), -dot(position, chord)])
-    couple, across = np.linalg.lstsq(arms, missing)[0]
-    return abs(float(across)), abs(float(couple))
+    points, forces = loads(equilibrium)
+    position = seen.position[seen.balance]
+    applied = ((points[None, :] - position[:, None]).conj() @ forces[:, None]).imag[:, 0]
+    missing = seen.stiffness[seen.balance] * seen.kappa[seen.balance] - applied
+    arms = -dot(position, position[-1] / abs(position[-1]))
+    middle = arms - arms.mean()
+    across = float(middle @ missing / (middle @ middle)) if len(arms) > 1 else 0.0
+    couple = float(missing.mean() - across * arms.mean())
+    return abs(across), abs(couple)
+
+
+@functools.cache
+def _zeros(count: int) -> Array:
+    """The zeros of P_count."""
+    return np.polynomial.legendre.leggauss(count)[0]
+
+
+@dataclass(frozen=True, eq=False)
+class _Profile:
+    """A deflected finger, read once at all stations that a result needs; lengths by L, stiffness EI over EI(0)."""
+
+    s: Array
+    position: Complex
+    psi: Array
+    kappa: Array
+    half: Array  # w / 2
+    stiffness: Array
+    drawn: slice
+    balance: slice
+    strain: slice
+
+    @classmethod
+    def of(cls, setting: Setting, state: State) -> _Profile:
+        """Read the shape, where the balance is checked, and where strains are looked at."""
+        beam = state.beam
+        drawn = np.unique(np.concatenate([_DRAWN, beam.breaks]))
+        balance = beam.breaks[1] * (_zeros(beam.modes) + 1) / 2
+        strain = (beam.starts[:, None] + beam.lengths[:, None] * _ALONG).ravel()
+        s = np.concatenate([drawn, balance, strain])
+        clamped, along = np.zeros(balance.size, dtype=np.intp), np.repeat(_each(beam.segments), _ALONG.size)
+        segment = np.concatenate([beam.segment_of(drawn), clamped, along])
+        position, psi, _, kappa = state.axis.values(s, segment)
+        half, stiffness = setting.sections.thickness(s) / 2, setting.sections.EI(s)
+        first, second = drawn.size, drawn.size + balance.size
+        spans = slice(0, first), slice(first, second), slice(second, s.size)
+        return cls(s, position, psi, kappa, half, stiffness, *spans)
 
 
 def shortcoming(checks: Checks) -> str | None:
@@ -121,7 +156,8 @@ class Answer:
 
 def pose_result(setting: Setting, answer: Answer, parameter: float | None, placement: Placement) -> PoseResult:
     """The plain numbers of a pose; failed where a check is not met."""
-    checks = check(setting, answer.verified)
+    seen = _Profile.of(setting, answer.verified.equilibrium.state)
+    checks = _checked(setting, answer.verified, seen)
     reason = shortcoming(checks)
     if reason:
         return PoseResult.failed(parameter, reason, answer.iterations, answer.seconds)
@@ -129,11 +165,11 @@ def pose_result(setting: Setting, answer: Answer, parameter: float | None, place
     state = equilibrium.state
     force = -equilibrium.force * scales.force_scale
     turn = placement.turn
-    points, forces = _loads(equilibrium)
+    points, forces = loads(equilibrium)
     free = float(np.max(np.abs(forces), initial=0.0)) <= NO_FORCE
     moment = -cross(points - equilibrium.obstacle.frame.origin, forces)
-    position, psi, _, _ = Axis.of(state.beam, state.z).values(np.ones(1), np.array([state.beam.segments - 1]))
-    strain, strain_s = largest_strain(setting, equilibrium)
+    tip = seen.drawn.stop - 1
+    strain, strain_s = _largest_strain(equilibrium, seen)
     return PoseResult(
         parameter=parameter,
         status="free" if free else "contact",
@@ -143,8 +179,8 @@ def pose_result(setting: Setting, answer: Answer, parameter: float | None, place
         motion_force=None if parameter is None else drive(equilibrium) * scales.energy_scale,
         clamp_moment=cross(points, forces) * scales.energy_scale,
         energy=state.energy * scales.energy_scale,
-        tip=_vector(placement.origin + turn * complex(position[0]) * scales.length),
-        tip_rotation=float(psi[0]),
+        tip=_vector(placement.origin + turn * complex(seen.position[tip]) * scales.length),
+        tip_rotation=float(seen.psi[tip]),
         max_strain=strain,
         max_strain_s=None if free else strain_s * scales.length,
         min_gap=clearance(setting, answer.verified) * scales.length,
@@ -153,7 +189,7 @@ def pose_result(setting: Setting, answer: Answer, parameter: float | None, place
         error=ErrorEstimate(discretisation=answer.error),
         iterations=answer.iterations,
         seconds=answer.seconds,
-        shape=_shape(setting, equilibrium, placement),
+        shape=_shape(setting, seen, placement),
         kept=Kept(setting, equilibrium),
     )
 
@@ -162,7 +198,7 @@ def _vector(value: complex) -> tuple[float, float]:
     return float(value.real), float(value.imag)
 
 
-def _loads(equilibrium: Equilibrium) -> tuple[Complex, Complex]:
+def loads(equilibrium: Equilibrium) -> tuple[Complex, Complex]:
     """All contact points and the forces on the finger there."""
     lin, none = equilibrium.linear, np.zeros(0, dtype=complex)
     return np.concatenate([none, *lin.points]), np.concatenate([none, *lin.forces])
@@ -170,7 +206,7 @@ def _loads(equilibrium: Equilibrium) -> tuple[Complex, Complex]:
 
 def drive(equilibrium: Equilibrium) -> float:
     """Work that the object puts into the finger per unit of the parameter: -(F . v + M omega)."""
-    points, forces = _loads(equilibrium)
+    points, forces = loads(equilibrium)
     return float(np.sum(dot(forces, equilibrium.obstacle.velocities(points))))
 
 
@@ -179,28 +215,24 @@ def largest_strain(setting: Setting, equilibrium: Equilibrium) -> tuple[float, f
 
     The moment of the forces is as good as the forces; kappa of the strain fields is right in the mean only.
     """
-    beam, state, lin = equilibrium.state.beam, equilibrium.state, equilibrium.linear
-    along = np.linspace(0.0, 1.0, 13)
-    s = (np.array(beam.breaks[:-1])[:, None] + beam.lengths[:, None] * along).ravel()
-    segment = np.repeat(np.arange(beam.segments), along.size)
-    position = Axis.of(beam, state.z).values(s, segment)[0]
-    middle = s - np.tile((along - 0.5) * 1e-9, beam.segments)  # which side of a force at a break a sample is on
-    moment = np.zeros(s.size)
-    for site, u, points, forces in zip(state.sites, lin.stations, lin.points, lin.forces, strict=True):
-        places = u if site.on_face else np.full(u.size, 2.0)
-        beyond = places[None, :] > middle[:, None]
-        moment += np.sum(beyond * ((points[None, :] - position[:, None]).conj() * forces).imag, axis=1)
-    strain = np.abs(moment) / setting.sections.EI(s) * setting.sections.thickness(s) / 2
-    return _vertex(s, strain, int(np.argmax(strain)))
+    return _largest_strain(equilibrium, _Profile.of(setting, equilibrium.state))
 
 
-def _vertex(x: Array, y: Array, i: int) -> tuple[float, float]:
-    """The largest value near the largest sample and its place: a parabola's, where neighbours are on both sides."""
-    if not (0 < i < x.size - 1 and x[i - 1] < x[i] < x[i + 1]):
-        return float(y[i]), float(x[i])
-    fall, rise = y[i] - y[i - 1], y[i] - y[i + 1]
-    off = (fall - rise) / (2 * (fall + rise)) if fall + rise else 0.0
-    return float(y[i] + (fall - rise) * off / 4), float(x[i] + off * (x[i + 1] - x[i]))
+def _largest_strain(equilibrium: Equilibrium, seen: _Profile) -> tuple[float, float]:
+    state, lin = equilibrium.state, equilibrium.linear
+    if not state.sites:
+        return 0.0, 0.0
+    position, s = seen.position[seen.strain], seen.s[seen.strain]
+    # which side of a force at a break a sample is on
+    middle = s - np.tile((_ALONG - 0.5) * 1e-9, state.beam.segments)
+    on_face = zip(state.sites, lin.stations, strict=True)
+    places = np.concatenate([u if site.on_face else np.full(u.size, 2.0) for site, u in on_face])
+    points, forces = loads(equilibrium)
+    moments = ((points - position[:, None]).conj() * forces).imag
+    moment = np.sum(moments * (places > middle[:, None]), axis=1)
+    strain = np.abs(moment) / seen.stiffness[seen.strain] * seen.half[seen.strain]
+    place, value = vertex(s, strain, int(np.argmax(strain)))
+    return value, place
 
 
 def contacts(setting: Setting, equilibrium: Equilibrium, placement: Placement) -> tuple[Contact, ...]:
@@ -275,23 +307,21 @@ def _extent(setting: Setting, site: Site) -> Array:
     return setting.outline.place(site.piece, np.array(site.place or (0.0,)))[1]
 
 
-def _shape(setting: Setting, equilibrium: Equilibrium, placement: Placement) -> Shape:
-    state, length = equilibrium.state, setting.sections.length
-    beam = state.beam
-    s = np.union1d(np.linspace(0.0, 1.0, _DRAWN), beam.breaks)
-    position, psi, _, kappa = Axis.of(beam, state.z).values(s, beam.segment_of(s))
-    half, section = setting.sections.thickness(s) / 2, np.exp(1j * psi)
+def _shape(setting: Setting, seen: _Profile, placement: Placement) -> Shape:
+    length, jaw = setting.sections.length, setting.outline.jaw
+    position, half = seen.position[seen.drawn], seen.half[seen.drawn]
+    section = np.exp(1j * seen.psi[seen.drawn])
+    across = 1j * half * section
 
     def world(points: Complex) -> Array:
-        placed = placement.origin + placement.turn * points * length
-        return np.column_stack([placed.real, placed.imag])
+        placed = placement.origin + placement.turn * length * points
+        return placed.view(float).reshape(-1, 2)
 
-    jaw = setting.outline.jaw
     return Shape(
         axis=world(position),
-        lower=world(position - 1j * half * section),
-        upper=world(position + 1j * half * section),
-        strain=np.abs(kappa) * half,
+        lower=world(position - across),
+        upper=world(position + across),
+        strain=np.abs(seen.kappa[seen.drawn]) * half,
         jaw=None if jaw is None else world(position[-1] + jaw * section[-1]),
         clamp_pose=placement.clamp,
         object_pose=placement.object,

@@ -311,7 +311,7 @@ def near(setting: Setting, obstacle: Obstacle, state: State, found: Survey, reac
     """Candidates within reach (by L) of the object: stretches segment by segment, corners on both sides."""
     cornered = len(obstacle.corners) > 0
     candidates = [] if cornered else _stretches(setting, state, found, reach)
-    axis = Axis.of(state.beam, state.z)
+    axis = state.axis
     outline = setting.outline
     numbers = np.array([outline.corner_piece(i) for i in range(len(outline.corners))], dtype=np.intp)
     if len(numbers):

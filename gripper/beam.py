@@ -22,7 +22,6 @@ from scipy.special import eval_legendre
 from gripper.arrays import Array, Complex, Index
 from gripper.sections import Sections
 
-_CARRIED = 0.2  # of a segment's length: polynomials of moderate order continue this far without harm
 BeamTheory = Literal["bending", "shear"]
 
 
@@ -39,11 +38,7 @@ def _degrees(count: int) -> Index:
 
 def legendre_integrals(table: Array) -> Array:
     """Integrals from -1 of P_0 .. P_(count-2), from a table (n, count) of P_k: (n, count - 1)."""
-    count = table.shape[1]
-    integrals = np.empty((table.shape[0], count - 1))
-    integrals[:, 0] = table[:, 1] + 1
-    integrals[:, 1:] = (table[:, 2:] - table[:, :-2]) / (2 * _degrees(count - 1)[1:] + 1)
-    return integrals
+    return table @ _integration(table.shape[1] - 1)
 
 
 @functools.cache
@@ -54,6 +49,19 @@ def _differentiation(count: int) -> Array:
     return matrix
 
 
+@functools.cache
+def _multiplication(count: int) -> Array:
+    """Legendre coefficients of a series -> those of x times it, cut off at the same length, (count, count)."""
+    k = np.arange(1, count)
+    return np.diag(k / (2 * k - 1), -1) + np.diag(k / (2 * k + 1), 1)
+
+
+@functools.cache
+def _integration(count: int) -> Array:
+    """Legendre coefficients of a series -> those of its integral from -1, (count + 1, count)."""
+    return np.polynomial.legendre.legint(np.eye(count), lbnd=-1, axis=0)
+
+
 @dataclass(frozen=True, eq=False)
 class _Rule:
     """Gauss points on [-1, 1], and what follows from their number and the fields' order."""
@@ -62,7 +70,9 @@ class _Rule:
     weights: Array
     modes: Array  # P_k at the points, (q, p + 1)
     integrals: Array  # int_-1 P_k at the points, (q, p + 1)
-    interpolant: Array  # values at the points -> Legendre coefficients of the interpolant, (q, q)
+    primitive: Array  # coefficients of a field -> those of its integral from -1, (q + 1, p + 1)
+    path: Array  # values at the points -> coefficients of their interpolant's integral from -1, (q + 1, q)
+    station: Array  # P_0 .. P_q there -> modes, their integrals, their derivatives, the path: (q + 1, 3m + q)
     grams: Array  # weights times P_i P_j at the points, (q, (p + 1)^2)
 
 
@@ -74,10 +84,16 @@ def _rule(order: int) -> _Rule:
     x, weights = np.polynomial.legendre.leggauss(q)
     table = legendre(x, q)
     modes = table[:, : order + 1]
-    integrals = legendre_integrals(legendre(x, order + 2))
+    integrals = legendre(x, order + 2) @ _integration(order + 1)
     interpolant = ((2 * np.arange(q) + 1) / 2)[:, None] * (weights * table.T)
+    integral = _integration(q)
+    path, primitive = integral @ interpolant, integral[:, : order + 1]
+    own = np.eye(q + 1, order + 1)
+    slope = np.zeros((q + 1, order + 1))
+    slope[: order + 1] = _differentiation(order + 1)
+    station = np.concatenate([own, primitive, slope, path], axis=1)
     grams = (weights[:, None, None] * modes[:, :, None] * modes[:, None, :]).reshape(q, -1)
-    return _Rule(x, weights, modes, integrals, interpolant, grams)
+    return _Rule(x, weights, modes, integrals, primitive, path, station, grams)
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,10 +101,7 @@ class Rows:
     """Linear maps from the unknowns (n) and from the Gauss points (g) to k stations."""
 
     position: Array  # (k, g): weights of cos theta, sin theta in x, y
-    psi: Array  # (k, n)
-    gamma: Array  # (k, n)
-    kappa: Array  # (k, n)
-    table: Array  # (k, >= p + 1): P_k on the station's own segment
+    strains: Array  # (5, k, n): psi, gamma, kappa, kappa', gamma'
 
 
 class Beam:
@@ -110,6 +123,7 @@ class Beam:
         self.sections, self.breaks, self.order, self.theory = sections, breaks, order, theory
         self.starts = np.array(breaks[:-1])
         self.lengths = np.diff(breaks)
+        self._halves = self.lengths / 2
         self.fields = 1 if theory == "bending" else 2
         self.segments = len(breaks) - 1
         self.modes = order + 1
@@ -126,10 +140,8 @@ class Beam:
     def _whitening(self) -> Array:
         """Inverse Cholesky factors of each field's stiffness on each segment: (fields, segments, p + 1, p + 1)."""
         q, m = self._rule.x.size, self.modes
-        stiffness = [self.sections.EI(self.gauss)]
-        if self.fields == 2:
-            stiffness.append(self.sections.GA(self.gauss))
-        weights = np.reshape(stiffness, (self.fields, self.segments, q)) * (self.lengths / 2)[:, None]
+        stiffness = self.sections.stiffness(self.gauss)[: self.fields]
+        weights = np.reshape(stiffness, (self.fields, self.segments, q)) * self._halves[:, None]
         grams = (weights @ self._rule.grams).reshape(self.fields, self.segments, m, m)
         upper = np.linalg.cholesky(grams).swapaxes(-1, -2)
         return np.linalg.inv(upper)
@@ -150,25 +162,29 @@ class Beam:
         found = np.searchsorted(self.breaks, s, side="left" if left else "right") - 1
         return np.clip(found, 0, self.segments - 1)
 
+    def _tables(self, s: Array, segment: Index) -> tuple[Array, Array]:
+        """Half the length of each station's segment (k,), and P_0 .. P_q there (k, q + 1)."""
+        half = self._halves[segment]
+        return half, legendre((s - self.starts[segment]) / half - 1, self._rule.x.size + 1)
+
     def rows(self, s: Array, segment: Index) -> Rows:
         """The maps to stations s (k,), each read from the polynomials of its segment (k,)."""
-        k, m = s.size, self.modes
-        half = self.lengths[segment] / 2
-        table = legendre((s - self.starts[segment]) / half - 1, max(self._rule.x.size + 1, m + 1))
-        integrals = legendre_integrals(table)
-        modes, each = table[:, None, :m], np.arange(k)
-        shape = (k, self.segments, self.fields, m)
-        psi, gamma, kappa = np.zeros(shape), np.zeros(shape), np.zeros(shape)
-        bending = self._whiten[0][segment]
-        kappa[each, segment, 0] = (modes @ bending)[:, 0]
-        psi[:, :, 0] = self._turns[segment]
-        psi[each, segment, 0] += half[:, None] * (integrals[:, None, :m] @ bending)[:, 0]
-        if self.fields == 2:
-            gamma[each, segment, 1] = (modes @ self._whiten[1][segment])[:, 0]
+        k, m, each = s.size, self.modes, np.arange(s.size)
+        half, table = self._tables(s, segment)
+        local = table @ self._rule.station
         position = self._gauss_weights[segment]
-        position[each, segment] = half[:, None] * (integrals[:, : self._rule.x.size] @ self._rule.interpolant)
-        flat = (k, self.size)
-        return Rows(position.reshape(k, -1), psi.reshape(flat), gamma.reshape(flat), kappa.reshape(flat), table)
+        position[each, segment] = half[:, None] * local[:, 3 * m :]
+        fields = local[:, : 3 * m].reshape(k, 3, m)
+        fields[:, 1] *= half[:, None]
+        fields[:, 2] /= half[:, None]
+        fields = fields @ self._whiten[:, segment]
+        strains = np.zeros((5, k, self.segments, self.fields, m))
+        strains[0, :, :, 0] = self._turns[segment]
+        strains[0, each, segment, 0] += fields[0, :, 1]
+        strains[2, each, segment, 0], strains[3, each, segment, 0] = fields[0, :, 0], fields[0, :, 2]
+        if self.fields == 2:
+            strains[1, each, segment, 1], strains[4, each, segment, 1] = fields[1, :, 0], fields[1, :, 2]
+        return Rows(position.reshape(k, -1), strains.reshape(5, k, self.size))
 
     def coefficients(self, z: Array) -> Array:
         """Legendre coefficients of the fields: (fields, segments, p + 1)."""
@@ -195,23 +211,19 @@ class Beam:
         """The unknowns of this beam whose strains come nearest to those of another beam's z."""
         return self.fit(other.strains(z, self.gauss, other.segment_of(self.gauss)))
 
-    def carry(self, other: Beam, z: Array) -> Array:
-        """The unknowns of this beam when its segments are those of another beam, their ends moved a little.
+    def convection(self, z: Array, moves: Array) -> Array:
+        """Change of the fields' coefficients when segments move along a shape that stays: (fields, segments, p + 1).
 
-        A segment keeps its polynomial, continued beyond its old ends, so that kinks move with the breaks. A segment
-        that moves by much of its own length (a patch under way) bridges its neighbours linearly instead.
+        Parameters
+        ----------
+        z
+            Unknowns (n,).
+        moves
+            How far each break moves (or its rate), (segments + 1,).
         """
-        count = self.gauss.size // self.segments
-        values = other.strains(z, self.gauss, np.repeat(np.arange(self.segments), count))
-        ends = np.array([other.breaks, self.breaks])
-        shift = np.abs(ends[1] - ends[0])
-        for e in range(1, self.segments - 1):
-            if max(shift[e], shift[e + 1]) > _CARRIED * other.lengths[e]:
-                marks = np.array([self.breaks[e], self.breaks[e + 1]])
-                left, right = other.strains(z, marks, np.array([e - 1, e + 1])).T
-                along = (self._rule.x + 1) / 2
-                values[:, e * count : (e + 1) * count] = left[:, None] + (right - left)[:, None] * along
-        return self.fit(values)
+        slopes = self.coefficients(z) @ _differentiation(self.modes).T / self._halves[:, None]
+        middle, spread = (moves[1:] + moves[:-1]) / 2, (moves[1:] - moves[:-1]) / 2
+        return middle[:, None] * slopes + spread[:, None] * (slopes @ _multiplication(self.modes).T)
 
     def embed(self, other: Beam, z: Array) -> Array:
         """The unknowns of this beam for the very fields of a beam of lower order on the same segments."""
@@ -219,15 +231,8 @@ class Beam:
         coefficients[:, :, : other.modes] = other.coefficients(z)
         return self.unknowns(coefficients)
 
-    def slopes(self, z: Array, table: Array, segment: Index) -> Array:
-        """kappa' and gamma' at stations with a table of P_k (k, count) on their segments: (2, k)."""
-        local = self.coefficients(z)[:, segment] @ _differentiation(self.modes).T
-        out = np.zeros((2, segment.size))
-        out[: self.fields] = np.einsum("km,fkm->fk", table[:, : self.modes], local)
-        return out * (2 / self.lengths[segment])
-
-    def values(self, z: Array, direction: Complex, s: Array, segment: Index) -> tuple[Complex, Array, Array, Array]:
-        """Position x + iy, psi, theta and kappa (k,) at stations, without their maps.
+    def series(self, z: Array, direction: Complex) -> Array:
+        """Legendre coefficients of x, y, psi, theta and kappa on each segment: (segments, q + 1, 5).
 
         Parameters
         ----------
@@ -235,25 +240,25 @@ class Beam:
             Unknowns (n,).
         direction
             exp(i theta) at the Gauss points, (g,).
-        s, segment
-            Stations (k,) and the segments whose polynomials are read (k,).
         """
-        m, q = self.modes, self._rule.x.size
-        half = self.lengths / 2
-        local = self.coefficients(z)
-        runs = direction.reshape(self.segments, q) * half[:, None]
-        places, turns = np.zeros(self.segments, dtype=complex), np.zeros(self.segments)
-        np.cumsum((runs @ self._rule.weights)[:-1], out=places[1:])
-        np.cumsum((self.lengths * local[0, :, 0])[:-1], out=turns[1:])
-        table = legendre((s - self.starts[segment]) / half[segment] - 1, q + 1)
-        integrals = legendre_integrals(table)
-        paths = runs @ self._rule.interpolant.T
-        position = places[segment] + np.einsum("kq,kq->k", integrals, paths[segment])
-        kappas = local[0][segment]
-        psi = turns[segment] + half[segment] * np.einsum("km,km->k", integrals[:, :m], kappas)
-        kappa = np.einsum("km,km->k", table[:, :m], kappas)
-        gamma = np.einsum("km,km->k", table[:, :m], local[1][segment]) if self.fields == 2 else 0.0
-        return position, psi, psi + gamma, kappa
+        rule, local, half = self._rule, self.coefficients(z), self._halves[:, None]
+        runs = direction.reshape(self.segments, -1) * half
+        out = np.zeros((self.segments, rule.x.size + 1, 5))
+        path = runs @ rule.path.T
+        turn = local[0] @ rule.primitive.T * half
+        # where a segment ends is where the next one starts: every P_k is 1 at its end
+        path[1:, 0] += np.cumsum(path[:-1].sum(axis=1))
+        turn[1:, 0] += np.cumsum(turn[:-1].sum(axis=1))
+        out[:, :, 0], out[:, :, 1] = path.real, path.imag
+        out[:, :, 2] = out[:, :, 3] = turn
+        out[:, : self.modes, 4] = local[0]
+        if self.fields == 2:
+            out[:, : self.modes, 3] += local[1]
+        return out
+
+    def read(self, series: Array, s: Array, segment: Index) -> Array:
+        """Values of :meth:`series` at stations s (k,) of given segments (k,): (k, 5)."""
+        return (self._tables(s, segment)[1][:, None, :] @ series[segment])[:, 0]
 
     def slope_bounds(self, z: Array) -> Array:
         """Upper bounds of abs(kappa') and abs(gamma') over each segment: (2, segments)."""

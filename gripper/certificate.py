@@ -11,6 +11,8 @@ still hide a penetration are cut.
 
 from __future__ import annotations
 
+import cmath
+import functools
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,11 +20,12 @@ import numpy as np
 from gripper.arrays import Array, Complex, Index
 from gripper.equilibrium import Setting, State
 from gripper.obstacle import Obstacle
-from gripper.outline import LOWER, UPPER, Axis, crossings, dot
+from gripper.outline import LOWER, UPPER, Axis, Outline, crossings, dot
 
 DEPTH = 5e-7
 """Penetration that counts as none, by L."""
 _PER_SEGMENT = 8
+_STEPS = np.linspace(0.0, 1.0, _PER_SEGMENT + 1)
 _PER_EDGE = 4
 _ROUNDS = 14
 _MOST_PIECES = 60_000
@@ -70,8 +73,8 @@ class Survey:
         Whether the bound is proved, or rests on sampled sizes of grad g.
     deepest
         Samples in penetration that are the deepest of their neighbourhood: (piece, u) each.
-    pieces, gaps
-        The first sampling and g at the pieces' ends, (2, k).
+    pieces, gaps, depths
+        The first sampling, g and g / |grad g| at the pieces' ends, (2, k) each.
     engulfed
         Whether the object's inner point lies within the finger or its jaw.
     sunken
@@ -87,6 +90,7 @@ class Survey:
     deepest: tuple[tuple[int, float], ...]
     pieces: Pieces
     gaps: Array
+    depths: Array
     engulfed: bool
     sunken: tuple[tuple[int, float], ...]
     least: float
@@ -102,21 +106,21 @@ def survey(setting: Setting, obstacle: Obstacle, state: State, *, brief: bool = 
 
     A brief one stops at the first sampling where that finds penetration.
     """
-    axis = Axis.of(state.beam, state.z)
+    axis = state.axis
     arc = _ArcBounds(setting, state)
     first = pieces = _whole(setting, state)
     proved, engulfed, worst, nearest = True, False, np.inf, np.inf
     inside: list[tuple[int, float, float]] = []
-    gaps = np.empty((2, 0))
+    gaps = rough = np.empty((2, 0))
     sunken: tuple[tuple[int, float], ...] = ()
     total = 0
     for round_ in range(_ROUNDS):
         ends = _Ends.of(setting, obstacle, axis, pieces)
         total += len(pieces.u0)
-        if round_ == 0:
-            gaps, engulfed = ends.g, _engulfed(setting, obstacle, pieces, ends.points[0])
-            sunken = _sunken_corners(setting, obstacle, axis, pieces, ends.points[0])
         depths = ends.g / ends.steepness
+        if round_ == 0:
+            gaps, rough, engulfed = ends.g, depths, _engulfed(setting, obstacle, pieces, ends.points[0])
+            sunken = _sunken_corners(setting, obstacle, axis, pieces, ends.points[0])
         nearest = min(nearest, float(depths.min()))
         lower, sure = _lower_bound(obstacle, arc, pieces, ends)
         lower = lower / ends.steepness.min(axis=0)
@@ -135,7 +139,7 @@ def survey(setting: Setting, obstacle: Obstacle, state: State, *, brief: bool = 
         pieces = pieces.take(open_).cut(_CUT)
     worst = min(worst, min((depth for *_, depth in inside), default=np.inf))
     least = float(worst)
-    return Survey(nearest, max(0.0, -least), proved, _deepest(inside), first, gaps, engulfed, sunken, least)
+    return Survey(nearest, max(0.0, -least), proved, _deepest(inside), first, gaps, rough, engulfed, sunken, least)
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,16 +164,26 @@ class _Ends:
 
 def _whole(setting: Setting, state: State) -> Pieces:
     """Both faces segment by segment, every rigid edge."""
-    breaks = np.array(state.beam.breaks)
-    n = state.beam.segments
-    faces = Pieces(np.repeat([0, 1], n), np.tile(breaks[:-1], 2), np.tile(breaks[1:], 2), np.tile(np.arange(n), 2))
-    faces = faces.cut(_PER_SEGMENT)
-    edges = range(UPPER + 1, len(setting.outline.pieces))
-    lengths = np.array([setting.outline.pieces[i].length for i in edges])
-    rigid = Pieces(np.array(edges, dtype=np.intp), np.zeros(len(edges)), lengths, np.full(len(edges), n - 1)).cut(
-        _PER_EDGE
+    piece, segment, rigid = _numbers(setting.outline, state.beam.segments)
+    marks = (state.beam.starts[:, None] + state.beam.lengths[:, None] * _STEPS)[None].repeat(2, axis=0)
+    return Pieces(
+        piece,
+        np.concatenate([marks[:, :, :-1].ravel(), rigid[0]]),
+        np.concatenate([marks[:, :, 1:].ravel(), rigid[1]]),
+        segment,
     )
-    return Pieces(*(np.concatenate([getattr(faces, f), getattr(rigid, f)]) for f in ("piece", "u0", "u1", "segment")))
+
+
+@functools.lru_cache(maxsize=64)
+def _numbers(outline: Outline, segments: int) -> tuple[Index, Index, tuple[Array, Array]]:
+    """The piece and the segment of every stretch of :func:`_whole`, and the ends of those on rigid edges."""
+    edges = np.arange(UPPER + 1, len(outline.pieces))
+    lengths = np.array([piece.length for piece in outline.pieces])[edges]
+    rigid = Pieces(edges, np.zeros(len(edges)), lengths, np.full(len(edges), segments - 1)).cut(_PER_EDGE)
+    faces = np.repeat([LOWER, UPPER], segments * _PER_SEGMENT)
+    along = np.tile(np.repeat(np.arange(segments), _PER_SEGMENT), 2)
+    numbers = np.concatenate([faces, rigid.piece]), np.concatenate([along, rigid.segment])
+    return *numbers, (rigid.u0, rigid.u1)
 
 
 class _ArcBounds:
@@ -241,7 +255,10 @@ def _deepest(inside: list[tuple[int, float, float]]) -> tuple[tuple[int, float],
 def _engulfed(setting: Setting, obstacle: Obstacle, pieces: Pieces, points: Complex) -> bool:
     """Whether the object's inner point lies within the finger: then its outline may be clear and yet all is wrong."""
     inner = obstacle.inner_point
-    if not np.isfinite(inner):
+    if not cmath.isfinite(inner):
+        return False
+    spacing = float(np.max(pieces.u1 - pieces.u0)) * 2
+    if np.abs(points - inner).min() > spacing + max(setting.outline.room, setting.sections.thickness_bounds[0]):
         return False
     polygons = [np.concatenate([points[pieces.piece == LOWER], points[pieces.piece == UPPER][::-1]])]
     jaw = [i for i, piece in enumerate(setting.outline.pieces) if piece.on == "jaw"]

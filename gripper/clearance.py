@@ -8,11 +8,16 @@ from gripper.active import Verified
 from gripper.arrays import Array, Complex
 from gripper.equilibrium import Setting
 from gripper.obstacle import Obstacle
-from gripper.outline import Axis, dot
+from gripper.outline import UPPER, dot
+from gripper.parabola import vertex
 
 _FEET = 5
-_ZOOMS = 4
 _OFF = 1e-7  # of L: a foot that near is on the outline
+_ARRIVED = 1e-8  # of L: the distance of a foot that is off by this much is right to its square
+_MARKS = np.linspace(-1.0, 1.0, 9)
+_ZOOMS = 5
+_FINER = 16.0  # a parabola's vertex is that much nearer than the samples
+_SETTLED = 1e-10  # of L
 _WIDER = 2.0  # g / |grad g| may be off a distance by this much: samples within it are looked at
 
 
@@ -32,8 +37,8 @@ def distances(obstacle: Obstacle, points: Complex) -> Array:
     g, normal = obstacle.slope(points)
     if np.all(np.abs(np.abs(normal) - 1) < 1e-9):
         return _past_corners(obstacle, points, g, points - g * normal)  # g is the distance itself
-    estimate = g / np.maximum(np.abs(normal), 1e-12)
-    foot = points - estimate * normal / np.maximum(np.abs(normal), 1e-12)
+    size = np.maximum(np.abs(normal), 1e-12)
+    foot = points - g / size**2 * normal
     for _ in range(_FEET):
         g, normal, (a, b) = obstacle.curvature(foot)
         size = np.maximum(np.abs(normal), 1e-12)
@@ -42,7 +47,10 @@ def distances(obstacle: Obstacle, points: Complex) -> Array:
         # on to g = 0 along the normal; along the tangent to the foot of the point on the circle of curvature
         curvature = (a + (b * tangent.conj() ** 2).real) / size
         widening = np.maximum(1 + curvature * dot(away, unit), 0.5)
-        foot = foot - g / size * unit + dot(away, tangent) / widening * tangent
+        step = dot(away, tangent) / widening * tangent - g / size * unit
+        foot = foot + step
+        if np.abs(step).max() < _ARRIVED:
+            break
     return _past_corners(obstacle, points, np.abs(points - foot), foot)
 
 
@@ -58,20 +66,20 @@ def _past_corners(obstacle: Obstacle, points: Complex, found: Array, foot: Compl
 def _distance(setting: Setting, verified: Verified) -> float:
     """The least distance over the sampled outline, zoomed in on where it is least."""
     state, obstacle, survey = verified.equilibrium.state, verified.equilibrium.obstacle, verified.survey
-    axis, pieces = Axis.of(state.beam, state.z), survey.pieces
-    points, *_ = setting.outline.trace(axis, pieces.piece, pieces.u0, pieces.segment)
-    g, normal = obstacle.slope(points)
-    rough = g / np.maximum(np.abs(normal), 1e-12)
+    pieces, rough = survey.pieces, survey.depths[0]
     close = np.flatnonzero(rough <= _WIDER * rough.min() + 1e-9)
-    best = int(close[np.argmin(distances(obstacle, points[close]))])
-    step = float(pieces.u1[best] - pieces.u0[best])
-    u, piece = float(pieces.u0[best]), int(pieces.piece[best])
-    length = setting.outline.pieces[piece].length
-    least = np.inf
+    points = setting.outline.trace(state.axis, pieces.piece[close], pieces.u0[close], pieces.segment[close])[0]
+    found = distances(obstacle, points)
+    best = int(close[np.argmin(found)])
+    u, piece, least = float(pieces.u0[best]), int(pieces.piece[best]), float(np.min(found))
+    step, length = float(pieces.u1[best] - pieces.u0[best]), setting.outline.pieces[piece].length
+    which = np.full(_MARKS.size, piece)
     for _ in range(_ZOOMS):
-        marks = np.clip(np.linspace(u - step, u + step, 9), 0.0, length)
-        which = np.full(9, piece)
-        segment = state.beam.segment_of(marks) if piece <= 1 else np.full(9, state.beam.segments - 1)
-        found = distances(obstacle, setting.outline.trace(axis, which, marks, segment)[0])
-        u, least, step = float(marks[np.argmin(found)]), float(np.min(found)), step / 4
+        marks = (u + step * _MARKS).clip(0.0, length)
+        segment = state.beam.segment_of(marks) if piece <= UPPER else np.full(marks.size, state.beam.segments - 1)
+        found = distances(obstacle, setting.outline.trace(state.axis, which, marks, segment)[0])
+        i, before = int(np.argmin(found)), least
+        u, least, step = vertex(marks, found, i)[0], min(least, float(found[i])), step / _FINER
+        if before - least < _SETTLED:
+            break
     return least

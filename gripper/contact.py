@@ -17,6 +17,7 @@ the energy stationary in the place of the force (configurational balance).
 
 from __future__ import annotations
 
+import bisect
 import functools
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -222,12 +223,11 @@ def _segments(beam: Beam, site: Site, kinks: bool) -> tuple[int, int]:
     if not site.on_face:
         return beam.segments - 1, beam.segments - 1
     middle = site.middle
-    own = int(np.clip(np.searchsorted(beam.breaks, middle, side="right") - 1, 0, beam.segments - 1))
+    own = min(max(bisect.bisect_right(beam.breaks, middle) - 1, 0), beam.segments - 1)
     if not kinks or site.kind in ("patch", "tail") or beam.segments == 1:
         return own, own
-    inner = np.array(beam.breaks[1:-1])
-    nearest = int(np.argmin(np.abs(inner - middle)))
-    return (nearest, nearest + 1) if abs(inner[nearest] - middle) < _AT_BREAK else (own, own)
+    nearest = min(range(1, beam.segments), key=lambda i: abs(beam.breaks[i] - middle))
+    return (nearest - 1, nearest) if abs(beam.breaks[nearest] - middle) < _AT_BREAK else (own, own)
 
 
 class System:

@@ -23,17 +23,23 @@ from gripper.contact import Linearisation, Site, linearise
 from gripper.grip import Law, leader
 from gripper.objects import Object
 from gripper.obstacle import Frame, Obstacle
-from gripper.outline import Outline
+from gripper.outline import Axis, Outline
 from gripper.sections import Sections
 
 _ITERATIONS = 20
 _CONVERGED = 1e-6  # last step, relative: the next one, of second order, would be round-off
 _ROUND_OFF = 1e-9  # relative: what must then be left of the forces
 _NARROWEST = 1e-8  # of L: breaks nearer than this are one
-_FITTED = 1e-7  # of L, or of a patch: segments end at contacts to within this
-_NEAR = 0.1  # of L: breaks that move less are the same breaks
+_SMALL = 1e-6  # of L
+_EXACT = 1e-12  # of L: breaks this near are the same
 _NO_STRAIN = 1e-8  # |z| below which steps are judged by their own size: round-off of the gap moves z by 1e-16
+_FURTHEST = 0.15  # of L: the most that a place moves in a step of Newton's
+_SHRINKING = 0.5  # the most of its width that a patch loses in one
 _WILD = 1e3  # |z|: a finger rolled up hundreds of times
+
+
+Step = tuple[Array, Array, Array]
+"""Changes of z (n,), of the multipliers (m,) and of the places (k,)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,14 +57,18 @@ class Setting:
         """The object at a pose."""
         return Obstacle(self.body, self.sections.length, frame)
 
-    def beam(self, sites: tuple[Site, ...], order: int) -> Beam:
-        """A beam whose segments end at these contacts and at the profile's kinks."""
+    def breaks(self, sites: tuple[Site, ...]) -> tuple[float, ...]:
+        """Where segments end: at these contacts and at the profile's kinks."""
         marks = sorted({0.0, 1.0, *self.sections.kinks}.union(*(site.breaks() for site in sites)))
         breaks = [0.0]
         for mark in marks:
             if mark - breaks[-1] > _NARROWEST and (1.0 - mark > _NARROWEST or mark == 1.0):
                 breaks.append(mark)
-        return Beam(self.sections, tuple(breaks), order, self.theory)
+        return tuple(breaks)
+
+    def beam(self, sites: tuple[Site, ...], order: int) -> Beam:
+        """A beam whose segments end where those of these contacts do."""
+        return Beam(self.sections, self.breaks(sites), order, self.theory)
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,6 +79,16 @@ class State:
     z: Array
     sites: tuple[Site, ...] = ()
     multipliers: Array = field(default_factory=lambda: np.empty(0))
+
+    @functools.cached_property
+    def axis(self) -> Axis:
+        """The deflected axis."""
+        return Axis.of(self.beam, self.z)
+
+    @functools.cached_property
+    def fields(self) -> Array:
+        """The strain fields' coefficients, (fields, segments, p + 1)."""
+        return self.beam.coefficients(self.z)
 
     @property
     def energy(self) -> float:
@@ -90,9 +110,7 @@ class State:
         return State(self.beam, self.z + dz, _shared(tuple(sites)), self.multipliers + dmultipliers)
 
     def on(self, beam: Beam) -> State:
-        """The same strains on other segments."""
-        if beam.segments == self.beam.segments and np.max(np.abs(np.subtract(beam.breaks, self.beam.breaks))) < _NEAR:
-            return replace(self, beam=beam, z=beam.carry(self.beam, self.z))
+        """The strains nearest to these on other segments."""
         return replace(self, beam=beam, z=beam.project(self.beam, self.z))
 
 
@@ -111,12 +129,12 @@ class Equilibrium:
         """The KKT matrix in (z, lambda, u)."""
         return _matrix(self.linear)
 
-    def tangent(self) -> tuple[Array, Array, Array]:
-        """Rates of z, the multipliers and the places with the motion's parameter."""
+    def tangent(self) -> Step:
+        """Rates of z, the multipliers and the places with the motion's parameter, the segments held still."""
         return self._tangent
 
     @functools.cached_property
-    def _tangent(self) -> tuple[Array, Array, Array]:
+    def _tangent(self) -> Step:
         lin = self.linear
         rates = np.linalg.solve(self.matrix(), np.concatenate([lin.load_rates, -lin.value_rates, -lin.residual_rates]))
         return _split(rates, lin)
@@ -164,12 +182,12 @@ def _matrix(lin: Linearisation) -> Array:
     return matrix
 
 
-def _split(step: Array, lin: Linearisation) -> tuple[Array, Array, Array]:
+def _split(step: Array, lin: Linearisation) -> Step:
     n, m = lin.gradients.shape[1], len(lin.values)
     return step[:n], step[n : n + m], step[n + m :]
 
 
-def kkt_step(state: State, lin: Linearisation) -> tuple[Array, Array, Array]:
+def kkt_step(state: State, lin: Linearisation) -> Step:
     """Newton's step in z, multipliers and places.
 
     Raises
@@ -185,14 +203,88 @@ def kkt_step(state: State, lin: Linearisation) -> tuple[Array, Array, Array]:
     return _split(step, lin)
 
 
+def advanced(setting: Setting, state: State, step: Step) -> State:
+    """The state after a step in z (with the segments held still), the multipliers and the places.
+
+    The segments move along with the contacts, and their fields with them.
+    """
+    moved = state.moved(*step)
+    breaks = setting.breaks(moved.sites)
+    if len(breaks) != len(state.beam.breaks):
+        return moved
+    carried = state.beam.convection(state.z, np.subtract(breaks, state.beam.breaks))
+    return _carried(setting, moved, breaks, state.beam.coefficients(moved.z) + carried)
+
+
+def _carried(setting: Setting, state: State, breaks: tuple[float, ...], fields: Array) -> State:
+    """The state with these fields on segments that end elsewhere."""
+    beam = state.beam
+    if breaks != beam.breaks:
+        beam = Beam(setting.sections, breaks, beam.order, setting.theory)
+    return replace(state, beam=beam, z=beam.unknowns(fields))
+
+
+def predicted(
+    setting: Setting, now: Equilibrium, change: float, last: tuple[Equilibrium, float] | None = None
+) -> State:
+    """The state a change of the parameter further: along the tangent, bent as it has turned since the last one.
+
+    Parameters
+    ----------
+    setting, now
+        Where it starts.
+    change
+        Of the parameter.
+    last
+        An earlier equilibrium of the same contacts, and how far back on the parameter.
+
+    Raises
+    ------
+    NoEquilibriumError
+        At a limit point, where the tangent is vertical.
+    """
+    try:
+        rates = now.tangent()
+        before = last[0].tangent() if last else rates
+    except np.linalg.LinAlgError as error:
+        raise NoEquilibriumError("the tangent is vertical (a limit point)") from error
+    if last is None:
+        return advanced(setting, now.state, (change * rates[0], change * rates[1], change * rates[2]))
+    then, back = last
+    turned = change**2 / 2 / back
+    bent = [change * rate + turned * (rate - old) for rate, old in zip(rates[1:], before[1:], strict=True)]
+    moved = now.state.moved(change * rates[0], *bent)
+    breaks = setting.breaks(moved.sites)
+    if len(breaks) != len(now.state.beam.breaks):
+        return moved
+    flow, old_flow = _flow(setting, now), _flow(setting, then)
+    # the tangent is that of segments held still, which cannot follow the kinks exactly: off by as much as it was before
+    off = (now.state.fields - then.state.fields) / back - (flow + old_flow) / 2
+    return _carried(setting, moved, breaks, now.state.fields + change * (flow + off) + turned * (flow - old_flow))
+
+
+def _flow(setting: Setting, equilibrium: Equilibrium) -> Array:
+    """Rates of the fields' coefficients, the segments moving with the contacts: (fields, segments, p + 1)."""
+    state, (dz, dmultipliers, dplaces) = equilibrium.state, equilibrium.tangent()
+    small = _SMALL / max(float(np.max(np.abs(dplaces), initial=0.0)), 1.0)
+    moved = setting.breaks(state.moved(0 * dz, 0 * dmultipliers, small * dplaces).sites)
+    moves = (
+        np.subtract(moved, state.beam.breaks) / small if len(moved) == len(state.beam.breaks) else 0 * state.beam.starts
+    )
+    return state.beam.coefficients(dz) + state.beam.convection(state.z, moves)
+
+
 def _shortening(state: State, dplaces: Array) -> float:
     """Factor on a step such that no place runs away and no patch turns inside out."""
     factor, first = 1.0, 0
     for site in state.sites:
-        last = first + site.unknown_places
-        bound = 0.5 * (site.place[1] - site.place[0]) if site.kind in ("patch", "tail") else 0.15
-        largest = max((abs(step) for step in dplaces[first:last].tolist()), default=0.0)
-        factor, first = min(factor, bound / largest if largest > bound else 1.0), first + site.unknowns
+        steps = dplaces[first : first + site.unknown_places].tolist()
+        first += site.unknowns
+        factor = min([factor, *(_FURTHEST / abs(step) for step in steps if abs(step) > _FURTHEST)])
+        if site.kind in ("patch", "tail"):
+            widening = (steps[1] if len(steps) > 1 else 0.0) - steps[0]
+            least = -_SHRINKING * (site.place[1] - site.place[0])
+            factor = min(factor, least / widening if widening < least else 1.0)
     return factor
 
 
@@ -208,7 +300,7 @@ def settle(setting: Setting, obstacle: Obstacle, state: State, order: int) -> Eq
         return _unloaded(setting, obstacle, order)
     last, way = np.inf, 0.0
     for iteration in range(_ITERATIONS):
-        if iteration == 0 or _stale(state):
+        if iteration == 0 and not _fitted(setting, state, order):
             state = state.on(setting.beam(state.sites, order))
         lin = linearise(state.beam, state.z, setting.outline, obstacle, state.sites, state.multipliers)
         state = anchored(state, lin) if iteration == 0 else state
@@ -216,7 +308,7 @@ def settle(setting: Setting, obstacle: Obstacle, state: State, order: int) -> Eq
             return Equilibrium(state, obstacle, lin, iteration, way)
         dz, dmultipliers, dplaces = kkt_step(state, lin)
         factor = _shortening(state, dplaces)
-        state = state.moved(factor * dz, factor * dmultipliers, factor * dplaces)
+        state = advanced(setting, state, (factor * dz, factor * dmultipliers, factor * dplaces))
         length = factor * float(np.linalg.norm(dz))
         way += length
         last = length / (float(np.linalg.norm(state.z)) + _NO_STRAIN)
@@ -240,11 +332,7 @@ def _unloaded(setting: Setting, obstacle: Obstacle, order: int) -> Equilibrium:
     return Equilibrium(state, obstacle, linearise(beam, state.z, setting.outline, obstacle, (), state.multipliers), 0)
 
 
-def _stale(state: State) -> bool:
-    """Whether the segments end elsewhere than the contacts are."""
-    breaks = state.beam.breaks
-    for site in state.sites:
-        fine = _FITTED * (site.place[1] - site.place[0] if site.kind in ("patch", "tail") else 1.0)
-        if any(min(abs(b - mark) for b in breaks) > max(fine, _NARROWEST) for mark in site.breaks()):
-            return True
-    return False
+def _fitted(setting: Setting, state: State, order: int) -> bool:
+    """Whether the beam is of this order and its segments end where the contacts are."""
+    breaks, mine = setting.breaks(state.sites), state.beam.breaks
+    return state.beam.order == order and len(breaks) == len(mine) and np.max(np.abs(np.subtract(breaks, mine))) < _EXACT

@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 from gripper.assemble import least_gaps
 from gripper.certificate import survey
 from gripper.contact import Kind, Site
-from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, settle
+from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, predicted, settle
 from gripper.obstacle import Frame
 
 Feature = tuple[Literal["flank", "corner", "vertex"], int, int]
@@ -203,11 +203,8 @@ class Branch:
         if start.parameter == parameter:
             return start.equilibrium
         change = parameter - start.parameter
-        try:
-            predicted = start.equilibrium.state.moved(*(change * rate for rate in start.equilibrium.tangent()))
-        except np.linalg.LinAlgError as error:
-            raise NoEquilibriumError("the tangent is vertical") from error
-        found = settle(self.setting, self.setting.obstacle(self.path.frame(parameter)), predicted, self.order)
+        guess = predicted(self.setting, start.equilibrium, change)
+        found = settle(self.setting, self.setting.obstacle(self.path.frame(parameter)), guess, self.order)
         self.known.append(Along(parameter, found))
         return found
 

@@ -24,12 +24,12 @@ class Frame:
 
 def _plane(points: Complex) -> Array:
     """Complex numbers (k,) as points (k, 2)."""
-    return np.column_stack([points.real, points.imag])
+    return np.ascontiguousarray(points, dtype=complex).view(float).reshape(-1, 2)
 
 
 def _complex(points: Array) -> Complex:
     """Points (k, 2) as complex numbers (k,)."""
-    return points[:, 0] + 1j * points[:, 1]
+    return np.ascontiguousarray(points, dtype=float).view(complex).reshape(-1)
 
 
 class Obstacle:
@@ -63,9 +63,9 @@ class Obstacle:
     def curvature(self, points: Complex) -> tuple[Array, Complex, tuple[Array, Complex]]:
         """G / L, grad g, and L times the Hessian of g as (a, b)."""
         g, gradient, hessian = self.body.evaluate(self.local(points), 2)
-        half = self.length / 2
-        trace = half * (hessian[:, 0, 0] + hessian[:, 1, 1])
-        rest = half * (hessian[:, 0, 0] - hessian[:, 1, 1] + 2j * hessian[:, 0, 1]) * self._turn**2
+        xx, yy, half = hessian[:, 0, 0], hessian[:, 1, 1], self.length / 2
+        trace = half * (xx + yy)
+        rest = (xx - yy + 2j * hessian[:, 0, 1]) * (half * self._turn**2)
         return g / self.length, _complex(gradient) * self._turn, (trace, rest)
 
     def bounds(self, centers: Complex, radii: Array) -> tuple[Array, Array] | None:

@@ -8,6 +8,7 @@ complex numbers x + iy throughout the solver: a quarter turn is a factor i, a . 
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
 from typing import Literal
 
@@ -78,9 +79,19 @@ class Axis:
         """The axis of these unknowns."""
         return cls(beam, z, np.exp(1j * (beam.theta_map @ z)))
 
+    @functools.cached_property
+    def turning(self) -> Complex:
+        """d exp(i theta)/dz at the Gauss points, (g, n)."""
+        return (1j * self.direction)[:, None] * self.beam.theta_map
+
+    @functools.cached_property
+    def _series(self) -> Array:
+        return self.beam.series(self.z, self.direction)
+
     def values(self, s: Array, segment: Index) -> tuple[Complex, Array, Array, Array]:
-        """Position, psi, theta and kappa (k,) at stations s (k,) of given segments (k,)."""
-        return self.beam.values(self.z, self.direction, s, segment)
+        """Position x + iy, psi, theta and kappa (k,) at stations s (k,) of given segments (k,)."""
+        x, y, psi, theta, kappa = self.beam.read(self._series, s, segment).T
+        return x + 1j * y, psi, theta, kappa
 
 
 class Outline:
@@ -126,6 +137,11 @@ class Outline:
                 corners.append(Corner("jaw", vertex, before))
             before += abs(edge)
 
+    @functools.cached_property
+    def room(self) -> float:
+        """No point within the jaw is further from its outline than this."""
+        return sum(piece.length for piece in self.pieces if piece.on == "jaw") / 4
+
     def corner_piece(self, corner: int) -> int:
         """The number that stands for a corner wherever a piece is asked for (a piece without length)."""
         return len(self.pieces) + corner
@@ -156,7 +172,7 @@ class Outline:
         face = piece <= UPPER
         if face.all():
             sign = (piece - 0.5) * 1j
-            w, w1, w2 = self.sections.profile(np.minimum(np.maximum(u, 0.0), 1.0))
+            w, w1, w2 = self.sections.profile(u.clip(0.0, 1.0))
             return u, sign * w, sign * w1, sign * w2
         s = np.where(face, u, 1.0)
         P, P1, P2 = np.zeros((3, u.size), dtype=complex)
@@ -174,36 +190,35 @@ class Outline:
         """
         s, P, P1, _ = self.offsets(piece, u)
         position, psi, theta, kappa = axis.values(s, segment)
-        turn = np.exp(1j * psi)
         flexible = piece <= UPPER
         kappa = kappa * flexible
+        turn = np.exp(1j * psi)
         offset = P * turn
         return position + offset, flexible * np.exp(1j * theta) + 1j * kappa * offset + P1 * turn, kappa
 
     def stations(self, axis: Axis, piece: Index, u: Array, segment: Index) -> Stations:
         """Points and derivatives at u (k,) along pieces (k,), read from the given segments' polynomials (k,)."""
-        beam, z = axis.beam, axis.z
         s, P, P1, P2 = self.offsets(piece, u)
-        rows = beam.rows(s, segment)
-        turn = np.exp(1j * (rows.psi @ z))
-        e0, e1, e2 = P * turn, P1 * turn, P2 * turn
-        flexible = (piece <= UPPER).astype(float)
-        theta_row, kappa_row = rows.psi + rows.gamma, rows.kappa
+        rows = axis.beam.rows(s, segment)
+        flexible = piece <= UPPER
+        psi, gamma, kappa, kappa1, gamma1 = rows.strains @ axis.z
+        turn = np.exp(1j * psi)
+        along, e0, e1 = turn * np.exp(1j * gamma), P * turn, P1 * turn
+        ie0 = bent = 1j * e0
         if not flexible.all():
-            theta_row, kappa_row = theta_row * flexible[:, None], kappa_row * flexible[:, None]
-        kappa, slopes = kappa_row @ z, beam.slopes(z, rows.table, segment) * flexible
-        along = np.exp(1j * (theta_row @ z)) * flexible
-        ie0, ie1 = 1j * e0, 1j * e1
-        gradients = (rows.position * (1j * axis.direction)) @ beam.theta_map + ie0[:, None] * rows.psi
+            kappa, kappa1, gamma1 = kappa * flexible, kappa1 * flexible, gamma1 * flexible
+            along, bent = along * flexible, ie0 * flexible
+        ialong, ie1 = 1j * along, 1j * e1
+        by_strain = np.array([ialong + ie1 - kappa * e0, ialong, bent])  # dc'/d(psi, gamma, kappa)
         return Stations(
             rows.position @ axis.direction + e0,
             along + e1 + kappa * ie0,
-            1j * (kappa + slopes[1]) * along + e2 + 2 * kappa * ie1 + slopes[0] * ie0 - kappa**2 * e0,
-            gradients,
-            (1j * along)[:, None] * theta_row + (ie1 - kappa * e0)[:, None] * rows.psi + ie0[:, None] * kappa_row,
+            (kappa + gamma1) * ialong + P2 * turn + 2 * kappa * ie1 + kappa1 * ie0 - kappa**2 * e0,
+            rows.position @ axis.turning + ie0[:, None] * rows.strains[0],
+            np.einsum("ck,ckn->kn", by_strain, rows.strains[:3]),
             rows.position,
             e0,
-            rows.psi,
+            rows.strains[0],
         )
 
 

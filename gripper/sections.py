@@ -19,9 +19,14 @@ _PARTS = 16
 _CHECKED = np.linspace(0.0, 1.0, 129)
 
 
-def _compiled(expression: sympy.Expr) -> Callable[[Array], Array]:
-    function = sympy.lambdify([S], expression, "numpy", cse=True)
-    return lambda s: np.broadcast_to(np.asarray(function(s), dtype=float), np.shape(s))
+def _compiled(*expressions: sympy.Expr) -> Callable[[Array], tuple[Array, ...]]:
+    """Expressions in s as one function of an array: one array each, also where an expression is constant."""
+    function = sympy.lambdify([S], list(expressions), "numpy", cse=True)
+
+    def evaluate(s: Array) -> tuple[Array, ...]:
+        return tuple([v if isinstance(v, np.ndarray) else np.full(s.shape, float(v)) for v in function(s)])
+
+    return evaluate
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,8 +42,8 @@ class Sections:
     kinks: tuple[float, ...]
     thickness_bounds: tuple[float, float, float]
     """Upper bounds of w / L, abs(dw/ds), L abs(d2w/ds2), proved by interval arithmetic (infinite where it cannot)."""
-    _thickness: Callable[[Array], Array]
-    _width: Callable[[Array], Array]
+    _thickness: Callable[[Array], tuple[Array, ...]]
+    _stiffness: Callable[[Array], tuple[Array, ...]]
     _profile: Callable[[Array], tuple[Array | float, ...]]
 
     @property
@@ -51,26 +56,34 @@ class Sections:
         """EI(0) / L, in J (and N m)."""
         return self.bending_stiffness / self.length
 
+    @functools.cached_property
+    def _moduli(self) -> tuple[float, float]:
+        """What b w^3 and b w, in SI, are multiplied by to be EI over EI(0) and kappa_s GA times L^2 over EI(0)."""
+        material = self.finger.material
+        rigidity = material.shear_coefficient * material.G * self.length**2
+        return material.bending_modulus / 12 / self.bending_stiffness, rigidity / self.bending_stiffness
+
     def thickness(self, sigma: Array) -> Array:
         """w / L."""
-        return self._thickness(sigma * self.length) / self.length
+        return self._thickness(sigma * self.length)[0] / self.length
 
     def profile(self, sigma: Array) -> tuple[Array | float, ...]:
         """w / L, dw/ds and L d2w/ds2; a constant is one number."""
         w, slope, curvature = self._profile(sigma * self.length)
         return w / self.length, slope, curvature * self.length
 
+    def stiffness(self, sigma: Array) -> tuple[Array, Array]:
+        """EI over EI(0), and GA as below."""
+        bending, shear = self._stiffness(sigma * self.length)
+        return bending * self._moduli[0], shear * self._moduli[1]
+
     def EI(self, sigma: Array) -> Array:
         """Bending stiffness over EI(0): E b w^3 / 12."""
-        s = sigma * self.length
-        modulus = self.finger.material.bending_modulus
-        return modulus / 12 / self.bending_stiffness * self._width(s) * self._thickness(s) ** 3
+        return self.stiffness(sigma)[0]
 
     def GA(self, sigma: Array) -> Array:
         """Shear stiffness times L^2 over EI(0), Kaneko's coefficient included: kappa_s G b w."""
-        s, material = sigma * self.length, self.finger.material
-        rigidity = material.shear_coefficient * material.G * self._width(s) * self._thickness(s)
-        return rigidity * self.length**2 / self.bending_stiffness
+        return self.stiffness(sigma)[1]
 
 
 @functools.lru_cache(maxsize=256)
@@ -83,12 +96,12 @@ def sections(finger: Finger) -> Sections:
         Where the thickness or the width is not positive and finite somewhere on [0, L].
     """
     w, b = sympy.sympify(finger.w(S)), sympy.sympify(finger.b(S))
-    thickness, width = _compiled(w), _compiled(b)
+    thickness, width, stiffness = _compiled(w), _compiled(b), _compiled(b * w**3, b * w)
     profile = sympy.lambdify([S], [w, sympy.diff(w, S), beside_kinks(sympy.diff(w, S, 2))], "numpy", cse=True)
     stations = _CHECKED * finger.length
     for name, function in (("thickness", thickness), ("width", width)):
         with np.errstate(all="ignore"):
-            values: Any = function(stations)
+            values: Any = function(stations)[0]
         wrong = ~(np.isfinite(values) & (values > 0))
         if wrong.any():
             place = stations[wrong][0]
@@ -96,9 +109,9 @@ def sections(finger: Finger) -> Sections:
                 f"{name} must be positive along the finger, in m; got {values[wrong][0]!r} at s = {place!r}"
             )
     clamp = np.zeros(1)
-    stiffness = finger.material.bending_modulus * float((width(clamp) * thickness(clamp) ** 3)[0]) / 12
+    scale = finger.material.bending_modulus * float(stiffness(clamp)[0][0]) / 12
     kinks = tuple(sorted(k / finger.length for k in finger.kinks()))
-    return Sections(finger, finger.length, stiffness, kinks, _bounds(w, finger.length), thickness, width, profile)
+    return Sections(finger, finger.length, scale, kinks, _bounds(w, finger.length), thickness, stiffness, profile)
 
 
 def _bounds(w: sympy.Expr, length: float) -> tuple[float, float, float]:

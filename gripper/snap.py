@@ -11,7 +11,6 @@ from gripper.assemble import Problem, near
 from gripper.certificate import survey
 from gripper.equilibrium import NoEquilibriumError, Setting, State
 from gripper.obstacle import Obstacle
-from gripper.outline import Axis
 
 _STEPS = 150
 _TRIES = 3
@@ -23,7 +22,7 @@ _MARKS = np.linspace(0.125, 1.0, 8)
 
 def axis_points(state: State) -> Complex:
     """Points of the axis (8,), by L: how states are compared."""
-    return Axis.of(state.beam, state.z).values(_MARKS, state.beam.segment_of(_MARKS))[0]
+    return state.axis.values(_MARKS, state.beam.segment_of(_MARKS))[0]
 
 
 def distance(a: State, b: State) -> float:

@@ -14,7 +14,7 @@ from gripper.answer import Answer, discretisation_error
 from gripper.certificate import DEPTH, Survey, survey
 from gripper.clearance import clearance
 from gripper.contact import Site
-from gripper.equilibrium import NoEquilibriumError, Setting, State, settle
+from gripper.equilibrium import NoEquilibriumError, Setting, State, predicted, settle
 from gripper.events import STRUT, Along, Change, Path, changes, head_on
 from gripper.snap import descend, distance
 from gripper.watch import Watch
@@ -27,6 +27,7 @@ _SHORTEST = 1e-6  # of L: where steps this short do not succeed, there is no equ
 _PATIENCE = 30  # steps that may fail on the way to a pose
 _SNAPS = 3
 _HIGHEST_ORDER = 14
+_EXTRAPOLATED = 3.0  # of the last step: the next one may be that much longer and still bend as it did
 _TURNS = 8  # parts in which a step's path is measured
 
 
@@ -70,6 +71,7 @@ class Tracker:
         self.setting, self.path, self.parameter, self.order, self.events = setting, path, parameter, order, events
         self.changes: list[Change] = []
         self.iterations = 0
+        self._last: Along | None = None
         self.current = free or self._free(parameter)
         if free is None and not untouched(setting, self.current):
             raise NoEquilibriumError("the straight finger is not free of the object at the start")
@@ -195,18 +197,18 @@ class Tracker:
     def _followed(self, following: float) -> Verified:
         """Predict along the tangent and correct; SLSQP where the contacts change on the way."""
         start = self.current.equilibrium
-        predicted = self._predicted(following - self.parameter)
+        guess = self._predicted(following - self.parameter)
         travel = self._travel(self.parameter, following)
-        expected = float(np.linalg.norm(predicted.z - start.state.z))
+        expected = float(np.linalg.norm(guess.z - start.state.z))
         try:
-            found = self._at(following, predicted)
+            found = self._at(following, guess)
             if found.equilibrium.correction > 0.5 * expected + 0.05 * travel:
                 raise NoEquilibriumError("the step departs from its prediction")
         except NoEquilibriumError:
-            if travel < 2 * _SHORTEST and not self._loosens(predicted):
+            if travel < 2 * _SHORTEST and not self._loosens(guess):
                 raise
             obstacle = self.setting.obstacle(self.path.frame(following))
-            found = find(self.setting, obstacle, predicted, self.order)
+            found = find(self.setting, obstacle, guess, self.order)
             self._compare(found, distance(found.equilibrium.state, start.state), max(travel, expected / 2))
         return found
 
@@ -216,12 +218,13 @@ class Tracker:
         return bool(np.any(predicted.multipliers <= 0))
 
     def _predicted(self, change: float) -> State:
-        equilibrium = self.current.equilibrium
-        try:
-            rates = equilibrium.tangent()
-        except np.linalg.LinAlgError as error:
-            raise NoEquilibriumError("the tangent is vertical (a limit point)") from error
-        return equilibrium.state.moved(*(change * rate for rate in rates))
+        """Along the tangent, bent as it has turned since the last equilibrium of the same contacts."""
+        equilibrium, last = self.current.equilibrium, self._last
+        if last is not None and _alike(last.equilibrium.state, equilibrium.state):
+            back = self.parameter - last.parameter
+            if abs(change) < _EXTRAPOLATED * abs(back):
+                return predicted(self.setting, equilibrium, change, (last.equilibrium, back))
+        return predicted(self.setting, equilibrium, change)
 
     def _compare(self, found: Verified, moved: float, travel: float) -> None:
         """A finger moves with its object: by as much, or as much more as its tip lies beyond the contact.
@@ -249,6 +252,7 @@ class Tracker:
                     raise
                 changed = [Change(following, "change", "several contacts at once")]
         self.iterations += found.equilibrium.iterations
+        self._last = before
         self.parameter, self.current = following, found
         if self.events:
             self.changes += changed
@@ -277,3 +281,13 @@ class Tracker:
             self.iterations += self.current.equilibrium.iterations
             error = discretisation_error(self.setting, self.current.equilibrium)
         return Answer(self.current, error, 0.0, self.iterations)
+
+
+def _alike(one: State, other: State) -> bool:
+    """Whether two states have the same contacts and unknowns."""
+    if len(one.sites) != len(other.sites) or one.z.size != other.z.size:
+        return False
+    pairs = zip(one.sites, other.sites, strict=True)
+    return all((a.kind, a.piece, a.vertex, a.modes) == (b.kind, b.piece, b.vertex, b.modes) for a, b in pairs) and (
+        one.places.size == other.places.size
+    )

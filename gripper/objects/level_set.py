@@ -59,6 +59,8 @@ class LevelSet:
 
     def evaluate(self, points: Array, order: int) -> tuple[Array, ...]:
         """Return g and its derivatives, as `gripper.objects.Object.evaluate`."""
+        if self.quadric is not None:
+            return self.quadric.evaluate(points, order)
         if self.polynomial:
             return self.derivatives(points, order)
         with np.errstate(all="ignore"):
@@ -132,12 +134,19 @@ class LevelSet:
         difference = sympy.lambdify((X, Y), turned - self.g, "numpy")(points[:, 0], points[:, 1])
         return bool(np.abs(difference).max() < 1e-12 * np.abs(self.evaluate(points, 0)[0]).max())
 
+    @cached_property
+    def _eigenvalues(self) -> tuple[float, float]:
+        """Of a quadratic g's Hessian: the least, and the largest in size."""
+        values = np.linalg.eigvalsh(self.quadric.hessian) if self.quadric else np.zeros(2)
+        return float(values[0]), float(np.abs(values).max())
+
     def bounds(self, centers: Array, radii: Array) -> tuple[Array, Array] | None:
         """Bound the derivatives of g over discs, as `gripper.objects.Object.bounds`."""
         if self.quadric is not None:
-            eigenvalues = np.linalg.eigvalsh(self.quadric.hessian)
-            slopes = np.linalg.norm(self.evaluate(centers, 1)[1], axis=1)
-            return (slopes + np.abs(eigenvalues).max() * radii) * (1 + ROUNDING), np.full(len(centers), eigenvalues[0])
+            gradient = self.evaluate(centers, 1)[1]
+            least, size = self._eigenvalues
+            steepest = np.hypot(gradient[:, 0], gradient[:, 1]) + size * radii
+            return steepest * (1 + ROUNDING), np.full(len(centers), least)
         if not self.continuous:
             return None
         return enclosed_bounds(self.g, self.gradient, self.hessian, centers, radii)
