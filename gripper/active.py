@@ -393,23 +393,8 @@ def _resolved(setting: Setting, site: Site, candidate: Candidate) -> Site:
     """A stretch whose least gap is at the end of its piece is the corner there."""
     if site.kind != "tangent":
         return site
-    length = setting.outline.pieces[site.piece].length
-    if 1e-9 * length < site.place[0] < (1 - 1e-9) * length:
-        return site
-    corner = _corner_at(setting, site.piece, site.place[0])
+    corner = setting.outline.corner_at(site.piece, site.place[0])
     return site if corner is None else Site("corner", corner, ())
-
-
-def _corner_at(setting: Setting, piece: int, u: float) -> int | None:
-    """The corner of the outline at the end of a piece."""
-    one = np.array([piece]), np.array([u])
-    s, P, *_ = setting.outline.offsets(*one)
-    if s[0] < 1:
-        return None
-    for i, corner in enumerate(setting.outline.corners):
-        if abs(corner.point - P[0]) < 1e-9:
-            return setting.outline.corner_piece(i)
-    return None
 
 
 def _merged(chosen: list[tuple[Site, float]]) -> list[tuple[Site, float]]:

@@ -23,7 +23,7 @@ _SHORT = 0.999  # of the way to an end that must not be passed
 _ROUND_OFF = 1e-13
 STRUT = "met head-on the finger is a strut and buckles: to which side is undecided by statics"
 _GRAZED = 1e-9  # of L: contacts that only graze are none
-_NEAR = 0.02  # of L: as far as a first contact may roll on to another piece within a step
+_MEETING = 1e-9  # of L: where pieces of the outline meet
 _SHARP = 1e-10  # of the step: where an event is located to
 
 
@@ -73,24 +73,41 @@ def changes(setting: Setting, path: Path, old: Along, new: Along, order: int) ->
     before, after = features(old.equilibrium.state.sites), features(new.equilibrium.state.sites)
     gone, come = [f for f in before if f not in after], [f for f in after if f not in before]
     out: list[Change] = []
-    for lost, won in zip(gone, come, strict=False):
-        where = _changed(setting, path, old, new, lost, won, order)
-        out.append(Change(where, "change", f"{_feature_name(setting, lost)} to {_feature_name(setting, won)}"))
-    pairs = min(len(gone), len(come))
-    if len(gone) + len(come) - pairs > 1 and before:
+    for lost in list(gone):
+        won = next((f for f in come if _adjacent(setting, lost, f)), None)
+        if won is not None:
+            where = _changed(setting, path, old, new, lost, won, order)
+            out.append(Change(where, "change", f"{_feature_name(setting, lost)} to {_feature_name(setting, won)}"))
+            gone.remove(lost)
+            come.remove(won)
+    if len(out) + len(gone) + len(come) > 1:
         raise NoEquilibriumError("several contacts change within one step")
-    for won in come[pairs:]:
-        if before:
-            where = _released(setting, path, new, old.parameter, won, order)
-        else:
-            where = _first_touch(setting, path, old, new)
-            if head_on(setting, path, old, where):
-                out.append(Change(where, "snap", STRUT))
+    for won in come:
+        where = (
+            _released(setting, path, new, old.parameter, won, order)
+            if before
+            else _first_touch(setting, path, old, new)
+        )
         out.append(Change(where, "touch", _feature_name(setting, won)))
-    for lost in gone[pairs:]:
+        if not before and head_on(setting, path, old, where):
+            out.append(Change(where, "snap", STRUT))
+    for lost in gone:
         where = _released(setting, path, old, new.parameter, lost, order)
         out.append(Change(where, "release", _feature_name(setting, lost)))
-    return sorted(out, key=lambda change: (abs(change.parameter - old.parameter), change.kind == "snap"))
+    return out
+
+
+def _adjacent(setting: Setting, lost: Feature, won: Feature) -> bool:
+    """Whether a contact may roll from one to the other: from an edge to the corner at its end, or back."""
+    outline = setting.outline
+    if lost[0] == won[0] == "vertex" and lost[2] != won[2]:
+        return False
+    if (lost[0] == "corner") == (won[0] == "corner") and lost[2] != won[2]:
+        return False  # from the object's corner on to its side: nothing here tells where that is
+    ends = [outline.ends(feature[1]) for feature in (lost, won)]
+    if min(abs(a - b) for a in ends[0] for b in ends[1]) > _MEETING:
+        return False
+    return "corner" in (lost[0], won[0]) or lost[0] == won[0] == "vertex"
 
 
 def _first_touch(setting: Setting, path: Path, old: Along, new: Along) -> float:
@@ -131,16 +148,12 @@ def head_on(setting: Setting, path: Path, straight: Along, parameter: float) -> 
 
 
 def _same(setting: Setting, touched: Site, site: Site) -> bool:
-    """Whether a first contact is the same as a contact of the next pose: on one piece, or where two pieces meet."""
-    if touched.piece == site.piece and touched.vertex == site.vertex:
-        return True
-    return abs(_straight(setting, touched) - _straight(setting, site)) < _NEAR
-
-
-def _straight(setting: Setting, site: Site) -> complex:
-    """Where a contact lies on the straight finger."""
-    s, P, *_ = setting.outline.offsets(np.array([site.piece]), np.array([site.middle if site.place else 0.0]))
-    return complex(s[0] + P[0])
+    """Whether a first contact, or the corner that it is at, is a contact of the next pose."""
+    piece = touched.piece
+    if touched.kind == "tangent":
+        corner = setting.outline.corner_at(piece, touched.place[0])
+        piece = piece if corner is None else corner
+    return piece == site.piece and touched.vertex == site.vertex
 
 
 def _changed(setting: Setting, path: Path, old: Along, new: Along, lost: Feature, won: Feature, order: int) -> float:
@@ -158,6 +171,15 @@ def _feature_name(setting: Setting, feature: Feature) -> str:
     if kind == "vertex":
         return f"the object's corner {vertex} on {on}"
     return f"corner of {on}" if kind == "corner" else on
+
+
+def transition(setting: Setting, old: Equilibrium, new: Equilibrium) -> str:
+    """What changes between two equilibria so near that they are one place of the motion."""
+    before, after = features(old.state.sites), features(new.state.sites)
+    gone, come = [f for f in before if f not in after], [f for f in after if f not in before]
+    if len(gone) == len(come) == 1:
+        return f"{_feature_name(setting, gone[0])} to {_feature_name(setting, come[0])}"
+    return "several contacts at once"
 
 
 def named(setting: Setting, site: Site) -> str:
@@ -210,10 +232,20 @@ class Branch:
 
 
 def _released(setting: Setting, path: Path, known: Along, stop: float, feature: Feature, order: int) -> float:
-    """Where a contact's multiplier vanishes on the branch of a known equilibrium, the contact held beyond."""
+    """Where a contact's multiplier vanishes on the branch of a known equilibrium, the contact held beyond.
+
+    Raises
+    ------
+    NoEquilibriumError
+        Where it does not, or where something else has touched before.
+    """
     i = features(known.equilibrium.state.sites)[feature]
     branch = Branch(setting, path, replace(known, equilibrium=_pointed(setting, known.equilibrium, i, order)), order)
-    return _bracketed(lambda parameter: _pressing(setting, branch.at(parameter), i), known.parameter, stop)
+    where = _bracketed(lambda parameter: _pressing(setting, branch.at(parameter), i), known.parameter, stop)
+    there = branch.at(where)
+    if not survey(setting, there.obstacle, there.state).clear:
+        raise NoEquilibriumError("something else touches before")
+    return where
 
 
 def _departed(setting: Setting, path: Path, known: Along, stop: float, feature: Feature, order: int) -> float:

@@ -146,6 +146,23 @@ class Outline:
         """The number that stands for a corner wherever a piece is asked for (a piece without length)."""
         return len(self.pieces) + corner
 
+    def corner_at(self, piece: int, u: float) -> int | None:
+        """The number of the corner at a place of a piece; None where it is not at an end, or the end is no corner."""
+        length = self.pieces[piece].length
+        if 1e-9 * length < u < (1 - 1e-9) * length or (piece <= UPPER and u < length / 2):
+            return None
+        end = self.ends(piece)[0 if u < length / 2 else 1]
+        corners = [i for i, corner in enumerate(self.corners) if abs(1.0 + corner.point - end) < _SAME]
+        return self.corner_piece(corners[0]) if corners else None
+
+    def ends(self, piece: int) -> tuple[complex, ...]:
+        """Where a piece or a corner ends on the straight finger (a corner: where it is)."""
+        if piece >= len(self.pieces):
+            return (1.0 + self.corners[piece - len(self.pieces)].point,)
+        marks = np.array([0.0, self.pieces[piece].length])
+        s, P, *_ = self.offsets(np.full(2, piece), marks)
+        return tuple((s + P).tolist())
+
     def tip_corner(self, face: int) -> int | None:
         """The number of the tip's corner at the end of a face; None where the jaw hides it."""
         side = -1 if face == LOWER else 1

@@ -15,7 +15,7 @@ from gripper.certificate import DEPTH, Survey, survey
 from gripper.clearance import clearance
 from gripper.contact import Site
 from gripper.equilibrium import NoEquilibriumError, Setting, State, predicted, settle
-from gripper.events import STRUT, Along, Change, Path, changes, head_on
+from gripper.events import STRUT, Along, Change, Path, changes, head_on, transition
 from gripper.snap import descend, distance
 from gripper.watch import Watch
 
@@ -250,7 +250,7 @@ class Tracker:
             except NoEquilibriumError:
                 if self._travel(self.parameter, following) > _INDIVISIBLE:
                     raise
-                changed = [Change(following, "change", "several contacts at once")]
+                changed = [Change(following, "change", transition(self.setting, before.equilibrium, after.equilibrium))]
         self.iterations += found.equilibrium.iterations
         self._last = before
         self.parameter, self.current = following, found

@@ -59,7 +59,7 @@ def test_a_scene_names_a_pair_for_its_friction():
 def test_an_unknown_plastic_lists_the_known_ones():
     with pytest.raises(LookupError, match=r"unknown material 'pom'; known: POM, PA66, PA66 conditioned, PC, ABS"):
         gr.material("pom")
-    with pytest.raises(scenefile.SceneFileError, match="material: must be one of POM, PA66, .*; got 'wood'"):
+    with pytest.raises(scenefile.SceneFileError, match=r"material: must be one of POM, PA66, .*; got 'wood'"):
         scenefile.loads(SCENE.format(material='material = "wood"'))
     with pytest.raises(LookupError, match="unknown partner 'glass' of 'PC'; known: steel, PC"):
         friction_range("PC", "glass")

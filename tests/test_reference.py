@@ -87,10 +87,12 @@ def test_the_pin_touches_the_jaw_where_the_reference_says() -> None:
     assert events[0].parameter == pytest.approx(0.07756931, abs=1e-8)
 
 
-def test_the_pin_passes_from_the_lead_face_to_the_jaw_s_corner_and_lets_go_behind_it() -> None:
-    events = gr.trace(micro_assembly(0.086, 0.064, 0.05)).events
+@pytest.mark.parametrize("middle", [0.064, 0.068])
+def test_the_pin_passes_from_the_lead_face_to_the_jaw_s_corner_and_lets_go_behind_it(middle: float) -> None:
+    events = gr.trace(micro_assembly(0.086, middle, 0.05)).events
     assert [event.kind for event in events] == ["touch", "change", "change", "release"]
     assert 0.064 < events[1].parameter < 0.06781  # between the reference's lead face and apex
+    assert events[3].parameter == pytest.approx(0.0518616, abs=1e-6)  # off the return face, however long the steps
 
 
 @pytest.mark.parametrize("theory", ["bending", "shear"])

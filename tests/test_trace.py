@@ -12,7 +12,10 @@ import sympy
 
 import gripper as gr
 from gripper.trace import Interrupted
+from gripper_plugins.fingers.tapered import Tapered
+from gripper_plugins.jaws.triangle import Triangle
 from gripper_plugins.objects.circle import Circle
+from gripper_plugins.objects.conic import Conic
 from gripper_plugins.objects.ellipse import Ellipse
 from gripper_plugins.objects.polygon import Polygon
 from tests.scenes import FALLING, Q, deepest_cut, follow, micro_assembly, rotating_finger, unit_finger
@@ -108,6 +111,40 @@ def test_where_events_lie_does_not_depend_on_the_steps(name: str) -> None:
     for one, other in zip(coarse, fine, strict=True):
         assert one.parameter == pytest.approx(other.parameter, abs=1e-8)
         assert one.detail == other.detail
+
+
+def sweep(finger: gr.Finger, body: gr.Object, x: tuple, y: tuple, angle: tuple, theory: str) -> gr.Scene:
+    """An object that moves and turns evenly while q goes from 0 to 1."""
+    place = {name: start + rate * Q for name, (start, rate) in {"x": x, "y": y, "angle": angle}.items()}
+    return gr.Scene(finger=finger, object=body.at(**place), motion=gr.Motion("q", (0.0, 1.0)), theory=theory)
+
+
+THICK = Tapered(length=1.0, width=0.1, base_thickness=0.1154, tip_thickness=0.1443, material=unit_finger().material)
+THIN = replace(THICK, base_thickness=0.0434, tip_thickness=0.0476)
+HOOK = Triangle(length=0.239, lead_angle=0.4386, return_angle=1.6)
+OVAL = Conic(coefficients=(1.2155, 1.2155, -0.4698, 0.0, 0.0, -0.02424249))
+WIDE = Conic(coefficients=(0.6395, 1.082, -0.7992, 0.0, 0.0, -0.24820324))
+SWEEPS = {
+    "a pin past the tip": sweep(
+        unit_finger(0.104), Circle(radius=0.0505), (1.1356, -0.7353), (-0.1233, 0.1333), (0.0, 0.0), "bending"
+    ),
+    "an oval past the tip": sweep(THICK, OVAL, (1.1788, -0.3879), (-0.2526, 0.1693), (-1.9908, 0.029), "shear"),
+    "a wide oval off the tip": sweep(THIN, WIDE, (1.3992, 0.0603), (-0.5632, 0.1747), (2.2859, -0.35), "bending"),
+    "from the face to the hook": sweep(
+        unit_finger(0.0721, jaw=HOOK), Circle(radius=0.2718), (0.4223, 0.468), (-0.3334, 0.1797), (0.0, 0.0), "shear"
+    ),
+}
+
+
+@pytest.mark.parametrize("name", SWEEPS)
+def test_events_of_a_sweep_do_not_depend_on_the_steps(name: str) -> None:
+    events = []
+    for count in (2, 5, 17):
+        values = tuple(np.linspace(0, 1, count).tolist())
+        result = gr.trace(replace(SWEEPS[name], motion=gr.Motion("q", values)))
+        assert not result.failed, result.failed[0].reason
+        events.append([(event.kind, event.detail, round(event.parameter, 6)) for event in result.events])
+    assert events[0] == events[1] == events[2]
 
 
 @pytest.mark.parametrize("theory", ["bending", "shear"])

@@ -59,8 +59,6 @@ class LevelSet:
 
     def evaluate(self, points: Array, order: int) -> tuple[Array, ...]:
         """Return g and its derivatives, as `gripper.objects.Object.evaluate`."""
-        if self.quadric is not None:
-            return self.quadric.evaluate(points, order)
         if self.polynomial:
             return self.derivatives(points, order)
         with np.errstate(all="ignore"):

@@ -54,18 +54,6 @@ class Quadric:
         return f"{self.name} must {rule}, in SI units; got {self.coefficients!r}"
 
     @cached_property
-    def _linear(self) -> Array:
-        """Gradient at the origin, (2,)."""
-        return np.array(self.coefficients[3:5])
-
-    def evaluate(self, points: Array, order: int) -> tuple[Array, ...]:
-        """Return g and its derivatives, as `gripper.objects.Object.evaluate`."""
-        gradient = points @ self.hessian + self._linear
-        terms = points * (gradient + self._linear)
-        g = (terms[:, 0] + terms[:, 1]) / 2 + self.coefficients[5]
-        return (g, gradient, np.broadcast_to(self.hessian, (len(points), 2, 2)))[: order + 1]
-
-    @cached_property
     def hessian(self) -> Array:
         """The constant Hessian (2, 2), in 1/m."""
         b1, b2, b3 = self.coefficients[:3]
