@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 import sympy
 
 from gripper.fingers import Finger, S
+from gripper.kinks import beside_kinks
 from gripper.objects.compiled import X, Y, compiled
 
 Part = TypeVar("Part")
@@ -153,25 +154,15 @@ def _jaw(opened: Opened, tip: sympy.Expr) -> tuple[tuple[sympy.Expr, sympy.Expr]
     return tuple((x.xreplace({_TIP: tip}), y.xreplace({_TIP: tip})) for x, y in polygon)
 
 
-def _beside_kinks(expression: sympy.Expr) -> sympy.Expr:
-    """A derivative without the delta functions that kinks leave in it."""
-    return expression.replace(sympy.DiracDelta, lambda *_: sympy.Integer(0))
-
-
 @functools.lru_cache(maxsize=256)
 def derivatives(
     expressions: tuple[sympy.Expr, ...], by: tuple[sympy.Symbol, ...], arguments: tuple[sympy.Symbol, ...]
 ) -> Any:
     """Expressions followed by their derivatives (by each symbol, all expressions), as one numpy function."""
     flat = [*expressions, *(sympy.diff(e, p) for p in by for e in expressions)]
-    return compiled(arguments, tuple(_beside_kinks(sympy.sympify(e)) for e in flat))
+    return compiled(arguments, tuple(beside_kinks(sympy.sympify(e)) for e in flat))
 
 
 def surface(g: sympy.Expr, by: tuple[sympy.Symbol, ...]) -> Any:
     """The derivatives of g, g_x and g_y by numbers, as a function of x, y and all numbers."""
     return derivatives((g, sympy.diff(g, X), sympy.diff(g, Y)), by, (X, Y, *by))
-
-
-def _beside_kinks(expression: sympy.Expr) -> sympy.Expr:
-    """Without the delta functions that kinks leave in second derivatives."""
-    return expression.replace(sympy.DiracDelta, lambda *_: sympy.Integer(0))
