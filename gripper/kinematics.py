@@ -35,7 +35,7 @@ class Placement:
 
 @functools.lru_cache(maxsize=256)
 def _compiled(clamp: Pose, body: Pose, parameter: str | None) -> Callable[[float], list[float]]:
-    """The six coordinates, their rates and the rates of these as one function, differentiated by sympy once a pair of poses."""
+    """The six coordinates, their rates and the rates of these as one function, differentiated once a pair of poses."""
     symbols = [s for s in clamp.parameters | body.parameters if s.name == parameter]
     q = sympy.Symbol(parameter or "q", real=True)
     coordinates = [

@@ -152,8 +152,8 @@ class Seeds:
         velocity = -drift * (1j * held[1] + self.log_length) - 1j * turning * origin
         found = FrameRates(origin, body[1] - held[1], velocity, np.zeros(len(self.keys)), held[0], held[1])
         if self.keys[-1:] == (MOTION,):
-            clamp = kinematics.clamp_velocity(value)
-            drive = (frame.velocity, frame.spin, *kinematics.acceleration(value), clamp, turning)
+            along = kinematics.clamp_velocity(value)
+            drive = (frame.velocity, frame.spin, *kinematics.acceleration(value), along, turning)
             for field, rate in zip(fields(found), drive, strict=True):
                 getattr(found, field.name)[-1] = rate
         return found
