@@ -87,8 +87,7 @@ class FrictionTracker(Tracker):
         if self._coarse(found, stop, following):
             self._step((self.parameter + following) / 2)
             return
-        self._accept(following, found)
-        self._paced = following, found, stop
+        self._accept(following, found, stop)
 
     def _check_locked(self, equilibrium: Equilibrium, factor: float = 1.0) -> None:
         """Whether a contact that sticks could not slip on with any force.
@@ -141,13 +140,15 @@ class FrictionTracker(Tracker):
             self._paced = self.parameter, self.current, known
         return known
 
-    def _accept(self, following: float, found: Verified) -> None:
-        """Go on, and book work and dissipation."""
+    def _accept(self, following: float, found: Verified, stop: Pace | None = None) -> None:
+        """Go on, and book work and dissipation; the pace at the end where it is known."""
         start = self.parameter
         touching = self.sites
         before = self._pace() if touching else _REST
         known, old = len(self.changes), self.current
         super()._accept(following, found)
+        if stop is not None:
+            self._paced = following, found, stop
         after = self._pace() if self.sites else _REST
         broken = [change.parameter for change in self.changes[known:] if change.kind in ("touch", "change", "release")]
         parts = [(start, before, following, after)]
@@ -191,6 +192,9 @@ class FrictionTracker(Tracker):
         rest = self._travel(touch, following)
         near = touch + (following - touch) * _NUDGE / rest if rest > _NUDGE else following
         self.heading = float(np.sign(following - start))
+        before = 2 * touch - near
+        if (before - start) * self.heading > 0:  # so that the touch is located on a short step
+            self.parameter, self.current = before, self._free(before)
         found = None
         try:
             found = self._decided(self._touched(near), near)
