@@ -13,7 +13,7 @@ from gripper.beam import legendre
 from gripper.certificate import DEPTH, Survey, survey
 from gripper.contact import NARROW, WIDE, Site, linearise
 from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, anchored, settle
-from gripper.grip import dressed
+from gripper.grip import dressed, grouped
 from gripper.obstacle import Obstacle
 from gripper.outline import LOWER, UPPER
 
@@ -331,7 +331,8 @@ def _loaded(setting: Setting, settled: Equilibrium, order: int) -> Equilibrium:
             kept.append(site)
     if len(kept) == len(state.sites):
         return settled
-    return settle(setting, settled.obstacle, State(state.beam, state.z, tuple(kept), state.multipliers[keep]), order)
+    sites = grouped(setting.outline, tuple(kept))  # one that others followed may be gone
+    return settle(setting, settled.obstacle, State(state.beam, state.z, sites, state.multipliers[keep]), order)
 
 
 def _violated(

@@ -8,12 +8,13 @@ slips against t; a contact that sticks has the ratio that lets it not slip.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import sympy
 
+from gripper.arrays import Array, Complex
 from gripper.fingers import S
 
 if TYPE_CHECKING:
@@ -63,27 +64,45 @@ class Law:
         return float(mu), float(slope) if on in ("lower", "upper") else 0.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Anchor:
-    """Where a contact was when it began to stick.
+    """Where a contact was when it began to stick: one point, or those of its patch.
 
     Parameters
     ----------
-    point, tangent
-        The contact and the unit vector t there, in the object's own axes, lengths by L.
+    points, tangents
+        The contact (q,) and the unit vectors t there, in the object's own axes, lengths by L.
     u
-        The place along the finger's piece.
-    stretch
-        |c'| there: length of the outline per unit of u.
+        The places along the finger's piece, (q,).
+    stretches
+        c' along t there: length of the outline per unit of u, (q,).
+    weights
+        Parts of the normal force, (q,): friction of one ratio does no work where the slip is 0 in their mean.
     origin
         The equilibrium in which it began to stick, and the contact's number there; None where that is not known.
     """
 
-    point: complex
-    tangent: complex
-    u: float
-    stretch: float
-    origin: tuple[Any, int] | None = field(default=None, compare=False, repr=False)
+    points: Complex
+    tangents: Complex
+    u: Array
+    stretches: Array
+    weights: Array
+    origin: tuple[Any, int] | None = None
+
+    def over(self, weights: Array) -> tuple[Anchor, Array]:
+        """The anchor of a contact with so many points (q,), and their parts of the force.
+
+        Its own, as long as it is the same patch; one whose pressure is resolved otherwise by now is held in its middle,
+        its parts being the given weights.
+        """
+        return (self, self.weights) if self.u.size == weights.size else (self._gathered(), weights)
+
+    def _gathered(self) -> Anchor:
+        turn = complex(self.weights @ self.tangents)
+        means = (self.weights @ values for values in (self.u, self.stretches))
+        u, stretches = (np.array([mean]) for mean in means)
+        points = np.array([self.weights @ self.points])
+        return Anchor(points, np.array([turn / abs(turn)]), u, stretches, np.ones(1))
 
 
 @dataclass(frozen=True)
@@ -201,7 +220,7 @@ def grouped(outline: Outline, sites: tuple[Site, ...]) -> tuple[Site, ...]:
     """Contacts that conform share one hold: that of the first; a patch that ends in the tip's corner the corner's."""
     if any(site.grip is None for site in sites):
         return sites
-    firsts = [leader(outline, sites, i) for i in range(len(sites))]
+    firsts = [_first(outline, sites, i) for i in range(len(sites))]
     grips = [site.grip for site in sites if site.grip is not None]
     for i, first in enumerate(firsts):
         if first != i and grips[first].hold == "open":
@@ -216,17 +235,27 @@ def grouped(outline: Outline, sites: tuple[Site, ...]) -> tuple[Site, ...]:
     return tuple(out)
 
 
-def leader(outline: Outline, sites: tuple[Site, ...], i: int) -> int:
-    """The number of the contact whose ratio a contact has."""
+def _first(outline: Outline, sites: tuple[Site, ...], i: int) -> int:
+    """The number of the contact whose hold a contact shares, by where they lie: itself where it is alone."""
     site = sites[i]
     if site.kind == "tail":
         corner = outline.tip_corner(site.piece)
         return next((j for j, other in enumerate(sites) if other.piece == corner), i)
     for j, other in enumerate(sites[:i]):
         if other.piece == site.piece and (site.piece > 1 or _conform(other, site)):
-            return leader(outline, sites, j)
+            return _first(outline, sites, j)
     return i
 
 
 def _conform(one: Site, other: Site) -> bool:
     return "node" in (one.kind, other.kind) and abs(other.middle - one.middle) < _CONFORMING
+
+
+def leader(outline: Outline, sites: tuple[Site, ...], i: int) -> int:
+    """The number of the contact whose ratio a contact has: once they share a hold, also while they move apart."""
+    site = sites[i]
+    if site.grip is None or not site.grip.follows:
+        return i
+    piece = outline.tip_corner(site.piece) if site.kind == "tail" else site.piece
+    hosts = [j for j, other in enumerate(sites) if other.piece == piece and other.grip and not other.grip.follows]
+    return min(hosts, key=lambda j: abs(sites[j].middle - site.middle), default=i)

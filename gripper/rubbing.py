@@ -47,6 +47,7 @@ def rub(system: System, outline: Outline, u: Array) -> None:
         first = leader(outline, system.sites, i)
         if site.grip is not None and site.grip.hold == "stick":
             rubbed.grip_on(each[first].ratio_column)
+        rubbed.finish()
         if first == i and site.grip is not None and site.grip.unknown:
             rubbed.hold_fast()
     system.rubbing = Rubbing(
@@ -80,12 +81,9 @@ class _Rubbed:
         stations = system.stations
         self.gradients = stations.gradients[self.span]
         self.pushed = (self.rubs.conj()[:, None] * self.gradients).real  # friction's unit loads, (queries, n)
-        self.along = self.rubs / np.abs(normals)
-        weighed = (self.weights * self.along.conj())[:, None]
-        self.slip = (weighed * self.gradients).real.sum(axis=0)
-        velocities = system.obstacle.velocities(stations.points[self.span])
-        self.passing = dot(self.rubs, velocities)
-        self.slip_rate = -float(self.weights @ dot(self.along, velocities))
+        self.lengths = np.abs(normals)
+        self.along = self.rubs / self.lengths
+        self.passing = dot(self.rubs, system.obstacle.velocities(stations.points[self.span]))
 
     def _moves(self) -> Array:
         moves = np.zeros((len(self.u), self.site.unknown_places))
@@ -159,46 +157,44 @@ class _Rubbed:
         self.system.load_slopes[:, column] += self.force @ self.pushed
         self.system.force_places[column] += complex(self.force @ self.rubs)
 
+    def finish(self) -> None:
+        """What the normal forces weigh: the slip, and where the contact is now."""
+        total = float(self.force @ self.lengths)
+        self.shares = self.force * self.lengths / total if total > 0 else self.weights
+        parts = self.shares / self.lengths
+        self.slip, self.slip_rate = parts @ self.pushed, -float(parts @ self.passing)
+        self.anchor = self._anchor()
+
+    def _anchor(self) -> Anchor:
+        frame, stations = self.system.obstacle.frame, self.system.stations
+        back = complex(np.exp(-1j * frame.angle))
+        points = (stations.points[self.span] - frame.origin) * back
+        stretches = dot(self.along, stations.tangents[self.span])
+        return Anchor(points, self.along * back, self.u, stretches, self.shares)
+
     def hold_fast(self) -> None:
         """No slip since the anchor: the way along the object less the way along the finger.
 
-        The way along the object is measured on its tangent at the anchor, that along the finger with the mean of its
-        stretch then and now: both are exact to second order.
+        Both are measured on the tangents at the anchor, the way along the finger with the mean of its stretch then
+        and now: exact to second order, and at the anchor the rate of what :attr:`slip` measures.
         """
-        grip = self.site.grip
-        anchor = self.anchor if grip is None or grip.anchor is None else grip.anchor
-        system, stations, at = self.system, self.system.stations, self.ratio_column
-        side = -1.0 if self.site.piece == UPPER else 1.0
-        turn = complex(np.exp(1j * system.obstacle.frame.angle))
-        tangent = anchor.tangent * turn
-        start = anchor.point * turn + system.obstacle.frame.origin
+        grip, u = self.site.grip, self.u
+        anchor, weights = (self.anchor if grip is None or grip.anchor is None else grip.anchor).over(self.weights)
+        frame, stations, at = self.system.obstacle.frame, self.system.stations, self.ratio_column
+        back = np.conj(anchor.tangents * np.exp(1j * frame.angle))
+        start = anchor.points * complex(np.exp(1j * frame.angle)) + frame.origin
         points, tangents = stations.points[self.span], stations.tangents[self.span]
-        lengths = np.abs(tangents)  # 0 at a corner, which has no way to go
-        way = float(self.weights @ self.u) - anchor.u if self.site.unknown_places else 0.0
-        stretch = (anchor.stretch + float(self.weights @ lengths)) / 2
-        point = complex(self.weights @ points)
-        system.residuals[at] = (tangent.conjugate() * (point - start)).real - side * way * stretch
-        row = (tangent.conjugate() * (self.weights @ self.gradients)).real
-        units = tangents.conj() / np.where(lengths > 0, lengths, 1.0)
-        stretching = (units[:, None] * stations.tangent_gradients[self.span]).real
-        system.residual_gradients[at] = row - side * way / 2 * (self.weights @ stretching)
-        thinning = (units * stations.curvatures[self.span]).real
-        each = (tangent.conjugate() * tangents).real - side * stretch - side * way / 2 * thinning
+        way = u - anchor.u
+        stretch = (anchor.stretches + (back * tangents).real) / 2
+        system = self.system
+        system.residuals[at] = float(weights @ ((back * (points - start)).real - way * stretch))
+        inner = (weights * back)[:, None], (weights * back * way / 2)[:, None]
+        system.residual_gradients[at] = (
+            (inner[0] * self.gradients).real - (inner[1] * stations.tangent_gradients[self.span]).real
+        ).sum(axis=0)
+        each = (back * tangents).real - stretch - way / 2 * (back * stations.curvatures[self.span]).real
         columns = slice(self.column, self.column + self.site.unknown_places)
-        system.residual_slopes[at, columns] = (self.weights * each) @ self.moves
-        system.residual_rates[at] = -(tangent.conjugate() * system.obstacle.velocities(np.array([point]))[0]).real
-
-    @property
-    def anchor(self) -> Anchor:
-        """Where the contact is now."""
-        obstacle, stations = self.system.obstacle, self.system.stations
-        back = complex(np.exp(-1j * obstacle.frame.angle))
-        tangent = complex(self.weights @ self.along)
-        lengths = np.abs(stations.tangents[self.span])
-        point = complex(self.weights @ stations.points[self.span])
-        return Anchor(
-            (point - obstacle.frame.origin) * back,
-            tangent / abs(tangent) * back,
-            float(self.weights @ self.u),
-            float(self.weights @ lengths),
-        )
+        system.residual_slopes[at, columns] = (weights * each) @ self.moves
+        passing = (back * system.obstacle.velocities(points)).real
+        turning = frame.spin * way / 2 * (1j * back * tangents).real
+        system.residual_rates[at] = float(weights @ (turning - passing))

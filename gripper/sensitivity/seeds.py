@@ -12,7 +12,6 @@ import sympy
 from gripper.arrays import Array, Complex
 from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting
 from gripper.friction import Coefficients
-from gripper.grip import Anchor
 from gripper.kinematics import Kinematics
 from gripper.outline import LOWER, UPPER, dot
 from gripper.parameters import numbers
@@ -41,33 +40,34 @@ class FrameRates:
 
 @dataclass(frozen=True, eq=False)
 class AnchorRates:
-    """Rates of an anchor (:class:`gripper.grip.Anchor`), by each number."""
+    """Rates of an anchor (:class:`gripper.grip.Anchor`), by each number: (d, q)."""
 
-    point: Complex
-    tangent: Complex
+    points: Complex
+    tangents: Complex
     u: Array
-    stretch: Array
+    stretches: Array
+    weights: Array
 
 
 def anchor_rates(t: Touching, span: Span, found: Rates, frames: FrameRates) -> AnchorRates:
     """Rates of where a contact is, as an anchor."""
-    at, (middle, _) = span.queries, t.middle(span)
+    at = span.queries
     frame, moved = t.obstacle.frame, found.flow
     back = cmath.exp(-1j * frame.angle)
     presses, leans = t.press[at], moved.presses[:, at]
-    turning = (presses.conj() * leans).imag / np.abs(presses) ** 2
-    units = -1j * presses / np.abs(presses)
-    mean = complex(middle @ units)
-    tangent = mean / abs(mean)
-    leaning = (mean.conjugate() * ((1j * units * turning) @ middle)).imag / abs(mean) ** 2
-    point = (complex(middle @ t.points[at]) - frame.origin) * back
-    lengths = np.abs(t.tangents[at])
-    stretching = dot(t.tangents[at], moved.tangents[:, at]) / np.where(lengths > 0, lengths, 1.0)
+    lengths = np.abs(presses)
+    turning = (presses.conj() * leans).imag / lengths**2
+    units = -1j * presses / lengths
+    forces = t.weights[at] * lengths
+    pressing = found.change.weights[:, at] * lengths + t.weights[at] * dot(presses, leans) / lengths
+    parts = forces / forces.sum()
+    angle = frames.angle[:, None]
     return AnchorRates(
-        (moved.points[:, at] @ middle - frames.origin) * back - 1j * frames.angle * point,
-        1j * tangent * back * (leaning - frames.angle),
-        found.change.queries[:, at] @ middle,
-        stretching @ middle,
+        (moved.points[:, at] - frames.origin[:, None] - 1j * angle * (t.points[at] - frame.origin)) * back,
+        1j * units * back * (turning - angle),
+        found.change.queries[:, at],
+        dot(1j * units * turning, t.tangents[at]) + dot(units, moved.tangents[:, at]),
+        (pressing - parts * pressing.sum(axis=1, keepdims=True)) / forces.sum(),
     )
 
 
@@ -182,16 +182,18 @@ class Seeds:
         for span in t.spans:
             if not span.sticks:
                 continue
-            stick, side = t.stick(span), t.side(span.site)
-            moved = self.anchors(stick.anchor)
-            tangent = stick.tangent * 1j * frames.angle + turn * moved.tangent
-            start = 1j * frames.angle * stick.anchor.point * turn + turn * moved.point + frames.origin
-            slips = _dot(tangent, stick.point - stick.start) - _dot(start, stick.tangent)
-            if span.site.unknown_places:
-                slips += side * moved.u * stick.stretch
-            change.slips[:, span.ratio] = slips - side * stick.way * moved.stretch / 2
+            stick, moved, at = t.stick(span), self.anchors(t, span), span.queries
+            angle = 1j * frames.angle[:, None]
+            tangents = stick.tangents * angle + turn * moved.tangents
+            starts = angle * stick.anchor.points * turn + turn * moved.points + frames.origin[:, None]
+            away = t.points[at] - stick.starts
+            stretches = (moved.stretches + dot(tangents, t.tangents[at])) / 2
+            slips = dot(tangents, away) - dot(starts, stick.tangents) + moved.u * stick.stretches
+            slips -= stick.ways * stretches
+            slip = dot(stick.tangents, away) - stick.ways * stick.stretches
+            change.slips[:, span.ratio] = slips @ stick.weights + moved.weights @ slip
 
-    def anchors(self, anchor: Anchor) -> AnchorRates:
+    def anchors(self, t: Touching, span: Span) -> AnchorRates:
         """Rates of where a contact began to stick.
 
         The motion's parameter there may be held: what slip it would add is 0, where slip ends or the motion turns.
@@ -199,8 +201,9 @@ class Seeds:
         Raises
         ------
         NoEquilibriumError
-            Where the equilibrium in which it began to is not known.
+            Where the equilibrium in which it began to is not known, or its pressure was resolved otherwise there.
         """
+        anchor = t.stick(span).anchor
         if anchor.origin is None:
             raise NoEquilibriumError("a contact sticks from its first touch on, or from a change of face or edge")
         equilibrium, number = anchor.origin

@@ -87,13 +87,10 @@ def _contact(t: Touching, change: Change, moved: Flow) -> tuple[Array, Array]:
 
 def slip_rates(t: Touching, span: Span, change: Change, moved: Flow) -> Array:
     """Rates of the slip of a contact that sticks since it began to (:mod:`gripper.rubbing`)."""
-    stick, at, (middle, _) = t.stick(span), span.queries, t.middle(span)
-    lengths = np.abs(t.tangents[at])
-    units = t.tangents[at] / np.where(lengths > 0, lengths, 1.0)
-    stretch = dot(units, moved.tangents[:, at]) @ middle / 2
-    way = change.queries[:, at] @ middle if span.site.unknown_places else 0.0
-    along = dot(np.asarray(stick.tangent), moved.points[:, at] @ middle)
-    rates: Array = along - t.side(span.site) * (way * stick.stretch + stick.way * stretch) + change.slips[:, span.ratio]
+    stick, at = t.stick(span), span.queries
+    along = dot(stick.tangents, moved.points[:, at]) - change.queries[:, at] * stick.stretches
+    stretch = dot(stick.tangents, moved.tangents[:, at]) / 2
+    rates: Array = (along - stick.ways * stretch) @ stick.weights + change.slips[:, span.ratio]
     return rates
 
 

@@ -35,16 +35,16 @@ class Span:
         return self.column + self.site.unknown_places
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Stick:
-    """Where a contact that sticks is, from where it began to."""
+    """Where the points of a contact that sticks are, from where it began to."""
 
     anchor: Anchor
-    tangent: complex  # at the anchor, in the clamp's axes
-    start: complex
-    point: complex
-    way: float  # along the finger's piece
-    stretch: float
+    weights: Array  # (q,)
+    tangents: Complex  # at the anchor, in the clamp's axes
+    starts: Complex
+    ways: Array  # along the finger's piece
+    stretches: Array
 
 
 def _unknown(site: Site) -> bool:
@@ -168,14 +168,15 @@ class Touching:
 
     def stick(self, span: Span) -> Stick:
         """A contact that sticks, and its anchor."""
-        grip, frame, at, (middle, _) = span.site.grip, self.obstacle.frame, span.queries, self.middle(span)
+        grip, frame, at = span.site.grip, self.obstacle.frame, span.queries
         if grip is None or grip.anchor is None:
             raise ValueError("a contact that sticks must have an anchor; got none")
-        anchor, turn = grip.anchor, np.exp(1j * frame.angle)
-        way = float(middle @ self.u[at]) - anchor.u if span.site.unknown_places else 0.0
-        stretch = (anchor.stretch + float(middle @ np.abs(self.tangents[at]))) / 2
-        point = complex(middle @ self.points[at])
-        return Stick(anchor, anchor.tangent * turn, anchor.point * turn + frame.origin, point, way, stretch)
+        anchor, weights = grip.anchor.over(self.middle(span)[0])
+        turn = complex(np.exp(1j * frame.angle))
+        tangents = anchor.tangents * turn
+        stretches = (anchor.stretches + dot(tangents, self.tangents[at])) / 2
+        starts = anchor.points * turn + frame.origin
+        return Stick(anchor, weights, tangents, starts, self.u[at] - anchor.u, stretches)
 
     def middle(self, span: Span) -> tuple[Array, float]:
         """Weights of a contact's queries in its middle, and the slope of its ratio of friction along the piece."""
