@@ -23,14 +23,15 @@ from gripper.holds import coefficient, grip_of, leaders, margin, overdue, ratio_
 from gripper.locking import LockedError, free_slip, limiting_ratio
 from gripper.peaks import Peak
 from gripper.tracker import Tracker
-from gripper.work import STILL, Balance, Pace, dips, pace, speed
+from gripper.work import BESIDE, STILL, Balance, Pace, dips, drawn, pace, speed
 
 _NUDGE = 1e-5  # of L: how far beyond the first touch the first hold is decided
 _SHARP = 1e-10  # of the step: where a hold changes is located to
 _AT_ONCE = 1e-9  # of its value at the step's end: a margin this small is none
 _FINE = 1e-2  # of L: shorter steps are not cut for their balance
+_ASIDE = 2e-4  # of L
 _CHANGING = 0.01  # of L: the longest step in which a patch comes or goes, or that ends free of the object
-_BALANCED = 3e-4  # of the energies of a step
+_BALANCED = 1e-4  # of the energies of a step
 _BEYOND = 1.5  # of the way to where a contact starts to slip, by the tangent
 _LEAST = 1e-4  # of a step
 _SHORTEST = 1e-6  # of L: shorter steps are not cut for a hold
@@ -171,15 +172,26 @@ class FrictionTracker(Tracker):
 
     def _broken(self, old: Along, new: Along, before: Pace, after: Pace, broken: list[float]) -> list[Part]:
         """The step on both sides of a change of the contacts, at which the rates jump."""
-        sides = []
-        for at, near, known in ((broken[0], old, before), (broken[-1], new, after)):
-            try:
-                near = replace(near, equilibrium=pointed(self.setting, near.equilibrium, self.order))
-                branch = Branch(self.setting, self.path, near, self.order)
-                sides.append(pace(self.setting, self.path, Along(at, branch.at(at)), self.heading))
-            except NoEquilibriumError:
-                sides.append(known.carried(at - near.parameter))
-        return [(old.parameter, before, broken[0], sides[0]), (broken[-1], sides[1], new.parameter, after)]
+        first = self._side(broken[0], old, before)
+        last = self._side(broken[-1], new, after)
+        return [(old.parameter, before, broken[0], first), (broken[-1], last, new.parameter, after)]
+
+    def _side(self, at: float, near: Along, known: Pace) -> Pace:
+        """The pace on one side of a change, on the branch of the step's end there.
+
+        It is drawn from a little aside of the change, where no segment of the finger is all but gone.
+        """
+        fast, way = speed(near.equilibrium), near.parameter - at
+        if abs(way) * fast <= max(BESIDE) * _ASIDE:
+            return known.carried(-way)
+        part = float(np.sign(way)) * _ASIDE / fast
+        try:
+            near = replace(near, equilibrium=pointed(self.setting, near.equilibrium, self.order))
+            branch = Branch(self.setting, self.path, near, self.order)
+            found = {parts: branch.at(at + parts * part) for parts in BESIDE[::-1]}
+            return drawn([found[parts] for parts in BESIDE], part, self.heading)
+        except NoEquilibriumError:
+            return known.carried(-way)
 
     def _meet(self, following: float) -> None:
         """The finger is free: go on to the first touch, and decide there how it holds."""

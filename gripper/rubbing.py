@@ -13,7 +13,7 @@ import numpy as np
 
 from gripper.arrays import Array, Complex
 from gripper.grip import Anchor, leader
-from gripper.outline import UPPER, Outline, dot
+from gripper.outline import Outline, dot
 
 if TYPE_CHECKING:
     from gripper.contact import Site, System

@@ -22,6 +22,7 @@ from gripper.rubbing import dissipation
 STILL = 1e-12
 """Of L: object and clamp do not move against each other."""
 _SMALL = 1e-5  # of L: the step along the tangent
+_SHORT = 0.03  # of L
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,11 +111,26 @@ def nudged(setting: Setting, path: Path, at: Along, heading: float) -> tuple[Equ
         return equilibrium, 0.0
     small = heading * _SMALL / fast
     state = equilibrium.state.moved(*(small * rate for rate in rates))
-    if any(site.kind in ("patch", "tail") for site in state.sites):
-        state = state.on(setting.beam(state.sites, state.beam.order))  # narrow segments must end where the patch does
+    if float(np.min(state.beam.lengths)) < _SHORT:  # narrow segments must end where contacts do
+        state = state.on(setting.beam(state.sites, state.beam.order))
     obstacle = setting.obstacle(path.frame(at.parameter + small))
     lin = linearise(state.beam, state.z, setting.outline, obstacle, state.sites, state.multipliers)
     return Equilibrium(state, obstacle, lin, 0), small
+
+
+BESIDE = (1, 2, 3)
+"""How many parts aside of a change its pace is drawn from."""
+
+
+def drawn(beside: list[Equilibrium], part: float, heading: float) -> Pace:
+    """The pace at a change of the contacts, from equilibria 1, 2 and 3 parts aside: parabolas through their numbers.
+
+    Beside a contact that reaches an end of its face the tangent is not exact: the segment between both is as short as
+    the stretch over which shear spreads the force.
+    """
+    numbers = np.array([_numbers(equilibrium, heading) for equilibrium in beside])
+    here, rates = np.array([3.0, -3.0, 1.0]) @ numbers, np.array([-2.5, 4.0, -1.5]) @ numbers
+    return _tabled(here, rates / part)
 
 
 def _tabled(numbers: Array, rates: Array) -> Pace:

@@ -248,20 +248,36 @@ def test_friction_of_a_given_sense_follows_coulomb_s_law(mu, x, y, radius, sense
         assert (contact.tangential_force > 0) == (sense == "tipward")
 
 
-@settings(max_examples=6, deadline=None)
-@given(st.floats(0.02, 0.5), st.floats(0.55, 0.9), st.floats(-0.5, 1.0), st.floats(0.05, 0.18))
-def test_friction_along_any_motion_follows_coulomb_s_law_and_dissipates(mu, x, drift, depth):
+def rolled_over(mu, x, drift, depth, values):
+    """A circle that presses the finger at x and drifts along it, here and back."""
     target = Circle(radius=0.15).at(x=x + drift * 0.2 * Q, y=-0.2 + depth * Q)
-    motion = gr.Motion("q", (0.0, 0.4, 0.8, 1.0, 0.8, 0.5, 0.2))
-    scene = gr.Scene(finger=unit_finger(), object=target, motion=motion, friction=gr.Friction(coefficient=mu))
-    lost, most = 0.0, 0.0
-    for pose in gr.trace(scene).poses:
+    friction = gr.Friction(coefficient=mu)
+    return gr.trace(gr.Scene(finger=unit_finger(), object=target, motion=gr.Motion("q", values), friction=friction))
+
+
+@settings(max_examples=8, deadline=None)
+@given(st.floats(0.02, 0.5), st.floats(0.3, 0.9), st.floats(-0.5, 1.0), st.floats(0.05, 0.18))
+def test_friction_along_any_motion_follows_coulomb_s_law_and_dissipates(mu, x, drift, depth):
+    poses = rolled_over(mu, x, drift, depth, (0.0, 0.4, 0.8, 1.0, 0.8, 0.5, 0.2)).poses
+    for pose in poses:
         assert pose.status in ("contact", "free")
         check_coulomb(pose, lambda _: mu)
-        assert pose.dissipation >= lost
-        most = max(most, pose.energy)
-        assert pose.work - pose.dissipation == pytest.approx(pose.energy, rel=5e-3, abs=5e-3 * most + 1e-7)
-        lost = pose.dissipation
+    assert balance(poses).max() < 1e-3
+
+
+def test_near_the_clamp_slip_that_reverses_ends_in_stick_and_not_in_a_snap():
+    result = rolled_over(0.441, 0.2408, 0.004, 0.07, (0.0, 0.4, 0.8, 1.0, 0.8, 0.5, 0.2))
+    assert "snap" not in {event.kind for event in result.events}
+    assert balance(result.poses).max() < 1e-3
+
+
+def test_the_balance_of_energy_converges_with_the_steps():
+    def off_balance(parts):
+        values = [*np.linspace(0.3, 1.0, 7 * parts + 1).tolist()]
+        return balance(rolled_over(0.3, 0.45, 0.3, 0.12, (0.0, *values)).poses[1:]).mean()
+
+    coarse, middle, fine = (off_balance(parts) for parts in (1, 2, 4))
+    assert fine < middle / 3 < coarse / 9
 
 
 def test_mu_may_vary_along_the_finger_and_differ_on_the_jaw(example_1):
@@ -293,7 +309,7 @@ def balance(poses):
 def test_work_is_stored_or_lost_at_every_step(example_1, example_2):
     assert balance(example_1.poses).max() < 1e-4
     for result in example_2.values():
-        assert balance(result.poses).max() < 1e-3
+        assert balance(result.poses).max() < 1e-4
 
 
 def test_the_motion_s_force_is_the_slope_of_work_also_with_friction():

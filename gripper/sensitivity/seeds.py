@@ -274,7 +274,3 @@ class Seeds:
                 s = float(np.mean(t.s[span.queries]))
                 steep = -grip.sense * grip.law.at(LOWER, s)[1] * s  # at a fixed part of the length
                 change.ratios[:, span.queries] += (steep * self.log_length)[:, None]
-
-
-def _dot(vectors: Complex, one: complex) -> Array:
-    return dot(vectors, np.asarray(one))
