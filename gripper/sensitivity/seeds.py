@@ -59,7 +59,9 @@ def anchor_rates(t: Touching, span: Span, found: Rates, frames: FrameRates) -> A
     turning = (presses.conj() * leans).imag / lengths**2
     units = -1j * presses / lengths
     forces = t.weights[at] * lengths
-    pressing = found.change.weights[:, at] * lengths + t.weights[at] * dot(presses, leans) / lengths
+    pressing = t.weights[at] * dot(presses, leans) / lengths
+    if found.change.weights is not None:
+        pressing += found.change.weights[:, at] * lengths
     parts = forces / forces.sum()
     angle = frames.angle[:, None]
     return AnchorRates(
