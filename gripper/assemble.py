@@ -14,6 +14,7 @@ from typing import Any, Literal
 import numpy as np
 
 from gripper.arrays import Array, Index
+from gripper.beam import BeamTheory
 from gripper.certificate import Survey, survey
 from gripper.contact import Site, linearise
 from gripper.equilibrium import Setting, State
@@ -46,14 +47,22 @@ class Candidate:
     vertex: int = -1
 
 
-def setting(scene: Scene) -> Setting:
-    """What stays the same over all poses of a scene: compiled once a finger and once an object."""
+def setting(scene: Scene, theory: BeamTheory | None = None) -> Setting:
+    """What stays the same over all poses of a scene: compiled once a finger and once an object.
+
+    Parameters
+    ----------
+    scene
+        What is given.
+    theory
+        In place of the scene's; "auto" is shear where nobody chooses.
+    """
     finger = placed(scene.finger).body
     profile = sections(finger)
-    theory: Literal["bending", "shear"] = "bending" if scene.theory == "bending" else "shear"
+    chosen = theory or ("shear" if scene.theory == "auto" else scene.theory)
     outline = Outline(profile)
     friction = _law(scene, outline, profile.length)
-    return Setting(profile, outline, theory, placed(scene.object).body, scene.tolerance, friction)
+    return Setting(profile, outline, chosen, placed(scene.object).body, scene.tolerance, friction)
 
 
 def _law(scene: Scene, outline: Outline, length: float) -> Law | None:
@@ -75,14 +84,15 @@ def first_order(tolerance: float) -> int:
     return next(order for limit, order in _ORDERS if tolerance >= limit)
 
 
-def left_out(scene: Scene) -> tuple[LeftOut, ...]:
+def left_out(scene: Scene, theory: BeamTheory) -> tuple[LeftOut, ...]:
     """What this scene does not need, and why."""
     finger = placed(scene.finger).body
     out = []
     if scene.friction is None or scene.friction.absent:
         out.append(LeftOut(what="friction", why="coefficient is 0" if scene.friction else "none is given"))
-    if scene.theory == "bending":
-        out.append(LeftOut(what="shear strain", why="theory is bending"))
+    if theory == "bending":
+        why = f"it changes forces by less than {scene.theory_tolerance:.2g}" if scene.theory == "auto" else "as asked"
+        out.append(LeftOut(what="shear strain", why=f"theory is bending: {why}"))
     out.append(LeftOut(what="stretch of the axis", why="neither bending nor shear has it"))
     if finger.jaw is None:
         out.append(LeftOut(what="jaw", why="the finger has none"))
@@ -403,7 +413,7 @@ def assemble(scene: Scene, parameter: float | None = None) -> Problem:
     start = start.on(fixed.beam((Site("tangent", LOWER, (place,)),), order))
     found = survey(fixed, obstacle, start)
     problem = Problem(fixed, obstacle, start, near(fixed, obstacle, start, found, reach=0.1))
-    problem.left_out = left_out(scene)
+    problem.left_out = left_out(scene, fixed.theory)
     return problem
 
 

@@ -226,9 +226,9 @@ class Beam:
         return middle[:, None] * slopes + spread[:, None] * (slopes @ _multiplication(self.modes).T)
 
     def embed(self, other: Beam, z: Array) -> Array:
-        """The unknowns of this beam for the very fields of a beam of lower order on the same segments."""
+        """The unknowns for the very fields of a beam of lower order, or of a poorer theory, on the same segments."""
         coefficients = np.zeros((self.fields, self.segments, self.modes))
-        coefficients[:, :, : other.modes] = other.coefficients(z)
+        coefficients[: other.fields, :, : other.modes] = other.coefficients(z)
         return self.unknowns(coefficients)
 
     def series(self, z: Array, direction: Complex) -> Array:

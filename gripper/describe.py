@@ -104,7 +104,11 @@ def describe(scene: Scene) -> dict[str, Any]:
         "finger": _finger(finger.body, finger.pose),
         "object": _object(target),
         "approach": {"direction": list(scene.approach)},
-        "solver": {"theory": scene.theory, "tolerance": scene.tolerance},
+        "solver": {
+            "theory": scene.theory,
+            "tolerance": scene.tolerance,
+            "theory_tolerance": scene.theory_tolerance,
+        },
     }
     if scene.friction:
         tables["friction"] = _friction(scene.friction)

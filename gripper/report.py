@@ -140,9 +140,12 @@ def _failures(result: Result) -> list[str]:
 
 def _model(result: Result) -> list[str]:
     model = result.model
-    lines = [f"theory: {model.theory}"]
+    changes = [pose.error.next_theory for pose in result.poses if pose.error.next_theory is not None]
+    chosen = f" (the next one would change forces by up to {100 * max(changes):.2g} %)" if changes else ""
+    lines = [f"theory: {model.theory}{chosen}"]
     lines += [f"left out: {part.what} ({part.why})" for part in model.left_out]
-    return lines + ([f"not modelled: {', '.join(model.not_modelled)}"] if model.not_modelled else [])
+    lines += [f"not modelled: {', '.join(model.not_modelled)}"] if model.not_modelled else []
+    return lines + [f"WARNING: {warning}" for warning in model.warnings]
 
 
 def _wrapped(lines: list[str]) -> list[str]:

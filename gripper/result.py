@@ -73,11 +73,12 @@ class LeftOut:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Model:
-    """What was solved: the beam theory, what was left out of it and why, what no theory here holds."""
+    """What was solved: the beam theory, what was left out of it and why, what no theory here holds, where it ends."""
 
     theory: str
     left_out: tuple[LeftOut, ...] = ()
     not_modelled: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -66,9 +66,12 @@ class Scene:
     friction
         Coulomb friction; None for none.
     theory
-        "bending", "shear" (Timoshenko's sections, inextensible axis: the paper's), or "auto".
+        "bending", "shear" (Timoshenko's sections, inextensible axis: the paper's), or "auto": the cheapest whose
+        forces the next one changes by no more than ``theory_tolerance``, the same at all poses.
     tolerance
         Asked relative discretisation error of the contact force.
+    theory_tolerance
+        Relative change of the contact force by the next theory up to which "auto" takes the cheaper one.
     title
         For figures and reports.
     limits
@@ -84,6 +87,7 @@ class Scene:
     friction: Friction | None = None
     theory: Theory = "auto"
     tolerance: Positive = 1e-4
+    theory_tolerance: Positive = 5e-3
     title: str = ""
     limits: Limits | None = None
     tolerances: Tolerances | None = None

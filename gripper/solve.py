@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -14,11 +15,13 @@ from gripper.certificate import survey
 from gripper.equilibrium import NoEquilibriumError, Setting, State, settle
 from gripper.frictional import tracker_for
 from gripper.kinematics import Kinematics, Placement, Retreat
+from gripper.ladder import rungs, suffices, theory_difference
 from gripper.locking import LockedError, check_locked
 from gripper.obstacle import Frame
 from gripper.result import Model, PoseResult, Result
 from gripper.scene import Scene
 from gripper.splitting import NOTE, is_published, split
+from gripper.validity import plane_difference, warnings
 
 NOT_MODELLED = (
     "stretch of the axis",
@@ -30,16 +33,20 @@ NOT_MODELLED = (
 _FURTHEST = 20.0  # of L: beyond this no retreat is tried
 
 
-def model(scene: Scene, fixed: Setting) -> Model:
-    """What is solved for this scene, and what is not."""
-    other = "strain" if fixed.sections.finger.material.plane == "stress" else "stress"
-    notes = (f"plane {other}", *NOT_MODELLED) + ((NOTE,) if is_published(scene) else ())
-    return Model(theory=fixed.theory, left_out=left_out(scene), not_modelled=notes)
+def model(scene: Scene, fixed: Setting, poses: Sequence[PoseResult]) -> Model:
+    """What is solved for this scene, what is not, and where these poses leave what the theory holds."""
+    own = (NOTE,) if is_published(scene) else ()
+    notes = (plane_difference(fixed.sections.finger.material), *NOT_MODELLED, *own)
+    beyond = warnings(fixed.sections, poses)
+    return Model(theory=fixed.theory, left_out=left_out(scene, fixed.theory), not_modelled=notes, warnings=beyond)
 
 
 def numbers(scene: Scene, fixed: Setting, answer: Answer, parameter: float | None, placement: Placement) -> PoseResult:
     """The plain numbers of a pose, in the scene's model of friction."""
     pose = pose_result(fixed, answer, parameter, placement)
+    if scene.theory == "auto" and pose.status != "failed":
+        change = theory_difference(fixed, answer.verified.equilibrium)
+        pose = replace(pose, error=replace(pose.error, next_theory=change))
     if scene.friction is None or not is_published(scene):
         return pose
     return split(fixed, law(scene.friction, fixed.outline, fixed.sections.length), answer, placement, pose)
@@ -122,7 +129,17 @@ def solve(scene: Scene) -> Result:
     """
     if scene.motion is not None:
         raise ValueError("scene must have no motion; gripper.trace(scene) follows one")
-    fixed = setting(scene)
+    for theory in rungs(scene):
+        fixed = setting(scene, theory)
+        pose = _posed(scene, fixed)
+        if suffices(scene, theory, pose):
+            break
+    poses = (pose,)
+    return Result(title=scene.title, scene=scene, model=model(scene, fixed, poses), poses=poses, events=())
+
+
+def _posed(scene: Scene, fixed: Setting) -> PoseResult:
+    """The pose by one theory."""
     kinematics = Kinematics(scene, fixed.sections.length)
     frame = kinematics.frame(0.0)
     began = time.process_time()
@@ -133,5 +150,4 @@ def solve(scene: Scene) -> Result:
         pose = PoseResult(parameter=None, status="locked", reason=str(error))
     except NoEquilibriumError as error:
         pose = PoseResult.failed(None, str(error))
-    pose = replace(pose, seconds=time.process_time() - began)
-    return Result(title=scene.title, scene=scene, model=model(scene, fixed), poses=(pose,), events=())
+    return replace(pose, seconds=time.process_time() - began)

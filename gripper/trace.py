@@ -7,11 +7,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from gripper.assemble import first_order, setting
+from gripper.beam import BeamTheory
 from gripper.equilibrium import NoEquilibriumError, Setting
 from gripper.events import Along
 from gripper.extremes import Extreme, Extremes
 from gripper.frictional import FrictionTracker, tracker_for
 from gripper.kinematics import Kinematics
+from gripper.ladder import rungs, suffices
 from gripper.located import Course, measures, ways
 from gripper.locking import LockedError
 from gripper.loop import Loop
@@ -60,9 +62,19 @@ def trace(scene: Scene, progress: Callable[[int, int], None] | None = None) -> R
     """
     if scene.motion is None:
         raise ValueError("scene must have a motion; gripper.solve(scene) takes one pose")
-    fixed = setting(scene)
+    for theory in rungs(scene):
+        result = _followed(scene, scene.motion.values, theory, progress)
+        if suffices(scene, theory, result.poses[-1]):
+            break
+    return result
+
+
+def _followed(
+    scene: Scene, values: Sequence[float], theory: BeamTheory, progress: Callable[[int, int], None] | None
+) -> Result:
+    """The motion by one theory, up to the first pose that shows that it does not suffice."""
+    fixed = setting(scene, theory)
     kinematics = Kinematics(scene, fixed.sections.length)
-    values = scene.motion.values
     for value in values:
         kinematics.frame(value)
     follower = _Follower(scene, fixed, kinematics)
@@ -70,6 +82,8 @@ def trace(scene: Scene, progress: Callable[[int, int], None] | None = None) -> R
     try:
         for done, value in enumerate(values, start=1):
             poses.append(follower.pose(value))
+            if not suffices(scene, theory, poses[-1]):
+                break
             if progress is not None:
                 progress(done, len(values))
     except KeyboardInterrupt:
@@ -104,7 +118,7 @@ class _Follower:
         return Result(
             title=self.scene.title,
             scene=self.scene,
-            model=model(self.scene, self.fixed),
+            model=model(self.scene, self.fixed, poses),
             poses=tuple(poses),
             events=tuple(self.events),
             loop=loop,

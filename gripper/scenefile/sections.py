@@ -32,9 +32,12 @@ from gripper.scenefile.values import converted, read_count, read_expression, rea
 _KEYS = ("title", "material", "finger", "object", "motion", "approach", "friction", "solver", "limits", "tolerance")
 _NOT_BUILT = "reserved for a feature that is not built yet"
 _RESERVED = {"loads": _NOT_BUILT}
-_SCENE_FIELDS = {"theory": "solver.theory", "tolerance": "solver.tolerance", "approach": "approach.direction"} | {
-    key: f"friction.{key}" for key in ("coefficient", "model", "sense")
-}
+_SOLVER_FIELDS = {key: f"solver.{key}" for key in ("theory", "tolerance", "theory_tolerance")}
+_SCENE_FIELDS = (
+    _SOLVER_FIELDS
+    | {"approach": "approach.direction"}
+    | {key: f"friction.{key}" for key in ("coefficient", "model", "sense")}
+)
 _SPAN = ("from", "to", "poses")
 _DEEPEST = 8  # objects within objects
 
@@ -171,12 +174,12 @@ def _approach(table: Table, place: Place) -> Table:
 
 
 def _solver(table: Table, place: Place) -> Table:
-    check_keys(table, ("theory", "tolerance"), place)
+    check_keys(table, ("theory", "tolerance", "theory_tolerance"), place)
     if table.get("theory") == "stretch":
         rule = f"must be one of {', '.join(get_args(Theory))} (stretch is not built yet)"
         raise place.at("theory").error(rule, "'stretch'")
     _choice(table, "theory", get_args(Theory), place)
-    numbers = {key: read_number(table[key], place.at(key)) for key in table if key == "tolerance"}
+    numbers = {key: read_number(table[key], place.at(key)) for key in table if key.endswith("tolerance")}
     return table | numbers
 
 
