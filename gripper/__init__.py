@@ -23,6 +23,7 @@ from gripper.result import Contact, Event, PoseResult, Result
 from gripper.scene import Motion, Scene
 from gripper.solve import solve
 from gripper.summary import Summary
+from gripper.sweep import Sweep, sweep
 from gripper.tolerances import Tolerances
 from gripper.trace import trace
 
@@ -53,11 +54,13 @@ __all__ = [
     "Scene",
     "Summary",
     "Surface",
+    "Sweep",
     "Tolerances",
     "Verdict",
     "assemble",
     "judged",
     "material",
     "solve",
+    "sweep",
     "trace",
 ]

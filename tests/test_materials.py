@@ -61,5 +61,5 @@ def test_an_unknown_plastic_lists_the_known_ones():
         gr.material("pom")
     with pytest.raises(scenefile.SceneFileError, match=r"material: must be one of POM, PA66, .*; got 'wood'"):
         scenefile.loads(SCENE.format(material='material = "wood"'))
-    with pytest.raises(LookupError, match="unknown partner 'glass' of 'PC'; known: steel, PC"):
+    with pytest.raises(LookupError, match=r"unknown partner 'glass' of 'PC'; known: steel, PC"):
         friction_range("PC", "glass")

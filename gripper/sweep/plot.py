@@ -1,0 +1,82 @@
+"""A sweep as a figure: one of the summary's numbers over one or two keys."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from gripper.plot.style import COLUMN, FORCE, INCH, INK, STRAIN, Picture, styled
+from gripper.summary import QUANTITIES
+
+if TYPE_CHECKING:
+    from gripper.sweep.run import Sweep
+
+_SIZE = (COLUMN / INCH, 0.8 * COLUMN / INCH)
+
+
+def drawn(sweep: Sweep, quantity: str) -> Figure:
+    """Draw a number over one key as a curve, over two as a map; variants without an answer are crosses.
+
+    Raises
+    ------
+    ValueError
+        The sweep has more than two keys.
+    """
+    if len(sweep.plan.over) > 2:
+        raise ValueError(f"a sweep must have one key or two to be drawn; got {', '.join(sweep.plan.keys)}")
+    with styled():
+        figure = Picture(figsize=_SIZE, layout="constrained")
+        axes = figure.add_subplot()
+        unit = QUANTITIES.get(quantity, "")
+        label = f"{quantity.replace('_', ' ')}{unit and f' ({unit})'}"
+        draw = _curve if len(sweep.plan.over) == 1 else _map
+        draw(figure, axes, sweep, quantity, label)
+    return figure
+
+
+def _values(sweep: Sweep, quantity: str) -> np.ndarray:
+    """The numbers, NaN where there are none, in the plan's shape."""
+    numbers = [np.nan if number is None else number for number in sweep.numbers(quantity)]
+    return np.array(numbers, dtype=float).reshape([len(values) for _, values in sweep.plan.over])
+
+
+def _curve(figure: Figure, axes: Axes, sweep: Sweep, quantity: str, label: str) -> None:
+    ((key, places),) = sweep.plan.over
+    order = np.argsort(places)
+    x, y = np.array(places)[order], _values(sweep, quantity)[order]
+    axes.plot(x, y, marker="o")
+    missing = x[np.isnan(y)]
+    bottom = np.full(missing.size, 0.03)
+    axes.plot(missing, bottom, "x", color=FORCE, transform=axes.get_xaxis_transform(), label="no answer")
+    if missing.size:
+        axes.legend()
+    axes.set(xlabel=f"{key} (SI)", ylabel=label)
+    axes.margins(x=0.02)
+
+
+def _map(figure: Figure, axes: Axes, sweep: Sweep, quantity: str, label: str) -> None:
+    """Colours where both keys are even or not: each variant has a cell around it."""
+    (x_key, x), (y_key, y) = sweep.plan.over
+    columns, rows = np.argsort(x), np.argsort(y)
+    values = _values(sweep, quantity)[np.ix_(columns, rows)].T
+    x_places, y_places = np.array(x)[columns], np.array(y)[rows]
+    cells = axes.pcolormesh(_edges(x_places), _edges(y_places), np.ma.masked_invalid(values), cmap=STRAIN)
+    figure.colorbar(cells, ax=axes, label=label)
+    if min(values.shape) > 2 and np.isfinite(values).all() and np.ptp(values) > 0:
+        lines = axes.contour(x_places, y_places, values, colors=INK, linewidths=0.5)
+        axes.clabel(lines, fontsize=5.5)
+    missing = np.argwhere(np.isnan(values))
+    axes.plot(x_places[missing[:, 1]], y_places[missing[:, 0]], "x", color=FORCE, linestyle="none")
+    axes.set(xlabel=f"{x_key} (SI)", ylabel=f"{y_key} (SI)")
+
+
+def _edges(places: np.ndarray) -> np.ndarray:
+    """Edges of cells around places: half-way between them."""
+    if places.size == 1:
+        half = 0.5 * abs(places[0]) or 0.5
+        return np.array([places[0] - half, places[0] + half])
+    middles = (places[1:] + places[:-1]) / 2
+    return np.concatenate([[2 * places[0] - middles[0]], middles, [2 * places[-1] - middles[-1]]])

@@ -1,0 +1,52 @@
+"""One variant: what a worker does. Needs nothing but its arguments, and raises nothing."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+import time
+from collections.abc import Mapping
+
+from gripper.parameters import replaced
+from gripper.result import Result
+from gripper.scene import Scene
+from gripper.solve import solve
+from gripper.summary import Summary
+from gripper.trace import trace
+
+_LOOKS = 1.0  # s
+
+
+def begun(parent: int) -> None:
+    """Begin a process of a sweep: Ctrl-C is for the one that leads it, and it does not outlive that."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    threading.Thread(target=_ending_with, args=(parent,), daemon=True).start()
+
+
+def _ending_with(parent: int) -> None:
+    while os.getppid() == parent:
+        time.sleep(_LOOKS)
+    os._exit(1)
+
+
+def solved(scene: Scene, numbers: Mapping[str, float]) -> Summary | str:
+    """Follow a scene with other numbers.
+
+    Returns
+    -------
+    Its summary; the reason where it has none: a number that breaks a rule, or poses without an answer.
+    """
+    try:
+        variant = replaced(scene, numbers)
+        result = trace(variant) if variant.motion else solve(variant)
+    except Exception as error:  # a plugin's code may raise anything; the row keeps what
+        return " ".join(f"{'' if isinstance(error, ValueError) else f'{type(error).__name__}: '}{error}".split())
+    return _failure(result) or result.summary()
+
+
+def _failure(result: Result) -> str | None:
+    if not result.failed:
+        return None
+    return f"{len(result.failed)} of {len(result.poses)} poses failed: {result.failed[0].reason}"
