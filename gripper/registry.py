@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import inspect
 import pkgutil
+import traceback
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any
 
@@ -63,6 +64,8 @@ _KINDS = {
     "gripper.fingers": _Kind("finger", "gripper.fingers:Finger", frozenset({"profile", "pose", "base"})),
     "gripper.jaws": _Kind("jaw", "gripper.fingers:Jaw", frozenset({"shape"})),
 }
+OWN = "gripper"
+"""The distribution of this project."""
 GROUPS = tuple(_KINDS)
 """The groups of entry points, in which anyone can offer plugins."""
 
@@ -117,6 +120,22 @@ def check(record: Record) -> str | None:
         _loaded(same or [record])
     except PluginError as error:
         return error.reason
+    return None
+
+
+def record_of(cls: type[Any]) -> Record | None:
+    """Find the entry point that names a class; None where none does."""
+    target = f"{cls.__module__}:{cls.__qualname__}"
+    return next((record for group in GROUPS for record in installed(group) if record.target == target), None)
+
+
+def blamed(error: BaseException, *instances: object) -> str | None:
+    """Tell which of these plugins' own modules an error came from, and whose it is; None where it came from none."""
+    frames = traceback.walk_tb(error.__traceback__)
+    modules = {frame.f_globals.get("__name__") for frame, _ in frames}
+    for cls in (type(instance) for instance in instances):
+        if cls.__module__ in modules and cls.__module__.partition(".")[0] != "gripper_plugins":
+            return str(record_of(cls) or f"{cls.__module__}:{cls.__qualname__}")
     return None
 
 

@@ -77,14 +77,23 @@ def solved(scene: Scene, scene_file: Path, report: Progress | None) -> Result:
     SceneFileError
         Where a rule of the scene shows only along the finger or the motion.
     """
+    from gripper.pose import placed
+    from gripper.registry import blamed
     from gripper.scenefile import SceneFileError
     from gripper.solve import solve
     from gripper.trace import trace
 
+    finger = placed(scene.finger).body
     try:
         return trace(scene, progress=report) if scene.motion else solve(scene)
-    except ValueError as error:
-        if " must " not in str(error):
+    except Exception as error:
+        plugin = blamed(error, finger, finger.jaw, placed(scene.object).body)
+        if plugin:
+            what = " ".join(f"{type(error).__name__}: {error}".split())
+            raise SceneFileError(
+                f"{scene_file}: must be solved with plugins that work; got {what} of {plugin}"
+            ) from error
+        if not isinstance(error, ValueError) or " must " not in str(error):
             raise
         # a rule that shows only along the finger or the motion, as a thickness below 0 or a pose of log(-1)
         raise SceneFileError(f"{scene_file}: {error}") from error

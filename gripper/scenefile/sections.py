@@ -13,7 +13,7 @@ from gripper.fingers import Finger, Jaw, Material
 from gripper.friction import Friction, Model, Sense
 from gripper.objects import Object
 from gripper.pose import Placed, Pose
-from gripper.registry import PluginError, installed, load
+from gripper.registry import OWN, PluginError, installed, load, record_of
 from gripper.scene import MOST_POSES, Motion, Scene, Theory
 from gripper.scenefile.design import read_limits, read_material, read_pair, read_tolerances
 from gripper.scenefile.place import (
@@ -108,12 +108,12 @@ def _finger(value: Any, place: Place, material: Material, names: Names) -> Place
     jaw = _jaw(*_section(table, "jaw", place)) if "jaw" in table else None
     pose = _pose(*_section(table, "pose", place), names)
     made = {"material": material, "jaw": jaw}
-    return Placed(build(cls, table, place, made, ("profile", "pose", "jaw")), pose)
+    return Placed(_sound(build(cls, table, place, made, ("profile", "pose", "jaw")), place), pose)
 
 
 def _jaw(table: Table, place: Place) -> Jaw:
     cls: type[Jaw] = _plugin("gripper.jaws", "shape", table, place)
-    return build(cls, table, place, other=("shape",))
+    return _sound(build(cls, table, place, other=("shape",)), place)
 
 
 def _object(table: Table, place: Place, names: Names, depth: int = 0) -> Placed[Object]:
@@ -125,7 +125,22 @@ def _object(table: Table, place: Place, names: Names, depth: int = 0) -> Placed[
     def nest(_: str, value: Any, at: Place) -> Placed[Object]:
         return _object(as_table(value, at), at, (), depth + 1)
 
-    return Placed(build(cls, table, place, other=("surface", "pose"), nest=nest), pose)
+    return Placed(_sound(build(cls, table, place, other=("surface", "pose"), nest=nest), place), pose)
+
+
+def _sound(instance: Any, place: Place) -> Any:
+    """Refuse a stranger's plugin whose instance breaks what the solver relies on; this project's are tested."""
+    record = record_of(type(instance))
+    if record is None or record.distribution == OWN:
+        return instance
+    from gripper.testing import ContractError, quick_check
+
+    try:
+        quick_check(instance)
+    except ContractError as error:
+        what = f"must be what {record} promises"
+        raise place.error(f"{what} ({error})", type(instance).__name__) from error
+    return instance
 
 
 def _pose(table: Table, place: Place, names: Names) -> Pose:

@@ -8,6 +8,7 @@ from typing import Any, TypeVar, get_type_hints
 
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 
+from gripper.registry import record_of
 from gripper.scenefile.place import Place, SceneFileError, Table, check_given, check_keys, shown
 from gripper.scenefile.values import Nest, converted
 
@@ -61,7 +62,8 @@ def build(
         raise
     except Exception as error:  # a plugin's own code may raise anything; it is kept as the cause
         what = " ".join(f"{type(error).__name__}: {error}".split())
-        raise place.error(f"must be what a {cls.__name__} can be made of (it fails with {what})", shown(own)) from error
+        name = record_of(cls) or cls.__name__
+        raise place.error(f"must be what {name} can be made of (it fails with {what})", shown(own)) from error
 
 
 def _is_required(field: dataclasses.Field[Any]) -> bool:

@@ -13,6 +13,7 @@ from gripper.testing.contract import ContractError
 from gripper.testing.fingers import FINGER_PROPERTIES, check_finger
 from gripper.testing.jaws import JAW_PROPERTIES, check_jaw
 from gripper.testing.objects import OBJECT_PROPERTIES, check_object
+from gripper.testing.quick import quick_check
 
 __all__ = [
     "FINGER_PROPERTIES",
@@ -22,4 +23,5 @@ __all__ = [
     "check_finger",
     "check_jaw",
     "check_object",
+    "quick_check",
 ]
