@@ -5,6 +5,7 @@ import json
 import math
 import subprocess
 import sys
+from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
@@ -532,6 +533,21 @@ def test_wrong_arguments_are_named(arguments, error, words):
     scene = unit_scene(y=-0.5)
     with pytest.raises(error, match=words):
         verify(scene, result=gr.solve(scene), **arguments)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Heavy(gr.Scene):
+    """A scene with a number that the elements have not heard of."""
+
+    gravity: float = 0.0
+
+
+def test_a_scene_that_the_elements_would_not_take_in_whole_is_refused():
+    parts = {"finger": scenes.unit_finger(), "object": Circle(radius=0.25).at(x=0.7, y=-0.5)}
+    light = Heavy(**parts)
+    assert verify(light, elements=(8, 2), laws=False, result=gr.solve(light)).failed == ()
+    with pytest.raises(ValueError, match=r"gravity must be left out .* the elements do not know it; got 9\.81"):
+        verify(Heavy(**parts, gravity=9.81))
 
 
 # The command

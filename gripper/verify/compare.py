@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import get_args
 
 import numpy as np
 
+from gripper.fingers import Finger
+from gripper.pose import placed
 from gripper.result import PoseResult, Result
 from gripper.scene import Motion, Scene
 from gripper.verify.material import LAWS, LawName
@@ -17,6 +19,12 @@ from gripper.verify.motion import clamp, passing
 from gripper.verify.report import Beam, OtherLaw, Verification, VerifiedPose
 from gripper.verify.run import Found, Model, run
 
+_KNOWN = {
+    *("finger", "object", "motion", "approach", "friction", "theory", "tolerance", "title", "limits", "tolerances"),
+    *("length", "width", "material", "jaw"),
+    *("youngs_modulus", "poisson_ratio", "shear_modulus", "plane", "yield_strain", "repeated_strain"),
+}
+"""What a scene, its finger and its material say that the elements take in, or that changes no pose."""
 Progress = Callable[[int, int], None]
 Vector = tuple[float, float]
 
@@ -67,11 +75,13 @@ def verify(
     Raises
     ------
     ValueError
-        An argument against its rule, or a profile that is not positive.
+        An argument against its rule, a profile that is not positive, or a scene with something that the elements do
+        not know.
     LookupError
         An unknown law or kind of jaw.
     """
     _check(elements, law, jaw)
+    _check_known(scene)
     way, wanted = passing(scene.motion, poses)
     places = [value for value, asked in zip(way, wanted, strict=True) if asked]
     models = _models(Model(elements=elements, law=law, jaw=jaw), laws)
@@ -97,6 +107,17 @@ def _check(elements: tuple[int, int], law: str, jaw: str) -> None:
     for what, name, known in (("law", law, LAWS), ("jaw", jaw, get_args(JawKind))):
         if name not in known:
             raise LookupError(f"unknown {what} {name!r}; known: {', '.join(known)}")
+
+
+def _check_known(scene: Scene) -> None:
+    """Refuse a scene that says something which the elements would leave out."""
+    finger = placed(scene.finger).body
+    for given, kind in ((scene, type(scene)), (finger, Finger), (finger.material, type(finger.material))):
+        for field in fields(kind):
+            value = getattr(given, field.name)
+            if field.name not in _KNOWN and value != field.default:
+                rule = "must be left out to be verified, as the elements do not know it"
+                raise ValueError(f"{field.name} {rule}; got {value!r}")
 
 
 def _models(model: Model, laws: bool) -> dict[str, Model]:
