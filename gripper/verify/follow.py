@@ -11,7 +11,7 @@ import numpy as np
 from gripper.objects import Array
 from gripper.verify.motion import Frame, Path, travel
 from gripper.verify.newton import NoSolutionError, Solution, System
-from gripper.verify.outline import Index
+from gripper.verify.outline import inside
 from gripper.verify.touch import History
 
 LONGEST = 0.15  # of L: a step without friction
@@ -93,10 +93,9 @@ class Follower:
         frame = path(start).shifted(unit, -back)
         self.history = History(positions, frame, np.zeros(self.system.contact.count))
         self._solution = Solution(unknowns, positions, self.system.contact.touch(positions, frame, self.history), 0)
-        self._rate = np.zeros_like(unknowns)
-        self._slip, self._pace = np.zeros(4), 0.0
+        self._forget()
         if back:
-            slides = self.system.contact.rough and towards != start
+            slides = self.system.contact.rough and travel(path(start), path(towards), setting.reach) > 0
             if slides:
                 self.system = replace(self.system, contact=self.system.contact.rubbed(0.0))
             self._path: Path = lambda distance: path(start).shifted(unit, distance)
@@ -105,7 +104,11 @@ class Follower:
             if slides:
                 self._slide(path, start, towards)
         self._path, self._at, self.snapped = path, start, False
-        self._rate = np.zeros_like(unknowns)
+        self._forget()
+
+    def _forget(self) -> None:
+        """Expect nothing of the next step: the way before it was another."""
+        self._rate = np.zeros_like(self._solution.unknowns)
         self._slip, self._pace = np.zeros(4), 0.0
 
     def _slide(self, path: Path, start: float, towards: float) -> None:
@@ -135,7 +138,7 @@ class Follower:
         if self.system.contact.gap(positions, frame) <= 0:
             return False
         inner = np.vstack([self.setting.inner_point[None], self.system.contact.corners.points])
-        return not np.any(_inside(frame.place(inner), positions, self.system.contact.edges))
+        return not np.any(inside(frame.place(inner), positions, self.system.contact.edges))
 
     def advance(self, target: float) -> Solution:
         """The equilibrium at a value of the parameter.
@@ -230,20 +233,8 @@ class Follower:
             self._accept(following, frame, solution)
             drag, floor = max(drag / 3, floor), floor / 1.5
             if drag < _LOOSE and moved < JUMP * L:
-                self._rate, self._slip = np.zeros_like(self._rate), np.zeros_like(self._slip)
+                self._forget()
                 self._step(following)
                 self.snapped |= bool(np.max(np.abs(self.history.positions - before)) > JUMP * L)
                 return
         raise NoSolutionError(f"no equilibrium to follow, and none found by descent: {error}")
-
-
-def _inside(points: Array, positions: Array, edges: Index) -> Array:
-    """Which points (k, 2) lie inside the outline of straightened edges, (k,)."""
-    first, last = edges[:, 0], edges[:, 2]
-    clamp = np.setdiff1d(last, first), np.setdiff1d(first, last)
-    a, b = positions[np.append(first, clamp[0])], positions[np.append(last, clamp[1])]
-    x, y = points[:, :1], points[:, 1:]
-    crosses = (a[:, 1] > y) != (b[:, 1] > y)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        at = a[:, 0] + (y - a[:, 1]) * (b[:, 0] - a[:, 0]) / (b[:, 1] - a[:, 1])
-    return np.asarray(np.sum(crosses & (x < at), axis=1) % 2 == 1)

@@ -103,3 +103,15 @@ def jaw_polygon(finger: Finger, thickness: float) -> Array | None:
     x, y = polygon.T
     area = np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y)
     return np.roll(polygon[::-1], 1, axis=0) if area < 0 else polygon
+
+
+def inside(points: Array, positions: Array, edges: Index) -> Array:
+    """Which points (k, 2) lie inside the outline of straightened edges, (k,)."""
+    first, last = edges[:, 0], edges[:, 2]
+    clamp = np.setdiff1d(last, first), np.setdiff1d(first, last)
+    a, b = positions[np.append(first, clamp[0])], positions[np.append(last, clamp[1])]
+    x, y = points[:, :1], points[:, 1:]
+    crosses = (a[:, 1] > y) != (b[:, 1] > y)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        at = a[:, 0] + (y - a[:, 1]) * (b[:, 0] - a[:, 0]) / (b[:, 1] - a[:, 1])
+    return np.asarray(np.sum(crosses & (x < at), axis=1) % 2 == 1)
