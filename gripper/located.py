@@ -26,6 +26,7 @@ from gripper.splitting import is_published, split_forces
 from gripper.watch import Measure, Watch
 
 Number = Callable[[Equilibrium], float]
+_NO_LOSS = 1e-6  # of the work put in: what is lost in less is no snap
 _SHARP = 1e-6  # of the way between poses: where a distance is least
 _LEGS = ("insertion_force", "retention_force")
 
@@ -93,8 +94,8 @@ class Course:
         Of the strain fields at its end.
     poses
         As they came out.
-    snapped
-        Whether the finger snapped on the way.
+    buckled
+        Whether the finger met the object head-on on the way, as a strut.
     loop
         Of a motion with friction.
     locked
@@ -108,7 +109,7 @@ class Course:
     watch: Watch
     order: int
     poses: Sequence[PoseResult]
-    snapped: bool
+    buckled: bool
     loop: Loop | None = None
     locked: Extreme | None = None
     peaks: Sequence[Equilibrium | None] = ()
@@ -150,8 +151,10 @@ class Course:
 
     def _reversible(self) -> bool:
         """Whether the way back is known to have the same curve."""
-        smooth = self.fixed.friction is None and not is_published(self.scene) and not self.snapped
-        return smooth and all(pose.status != "failed" for pose in self.poses)
+        frictionless = self.fixed.friction is None and not is_published(self.scene)
+        booked = self.watch.balance
+        snapped = self.buckled or booked.loss > _NO_LOSS * booked.put_in
+        return frictionless and not snapped and all(pose.status != "failed" for pose in self.poses)
 
     def _looped(self, leg: int) -> Extreme:
         """The same from the loop of a motion with friction."""

@@ -9,7 +9,7 @@ from dataclasses import replace
 from gripper.assemble import first_order, setting
 from gripper.beam import BeamTheory
 from gripper.equilibrium import NoEquilibriumError, Setting
-from gripper.events import Along
+from gripper.events import STRUT, Along
 from gripper.extremes import Extreme, Extremes
 from gripper.frictional import FrictionTracker, tracker_for
 from gripper.kinematics import Kinematics
@@ -175,9 +175,9 @@ class _Follower:
     def extremes(self, poses: Sequence[PoseResult], loop: Loop | None) -> Extremes:
         """What was largest on the way."""
         order = self.tracker.order if self.tracker else self.order
-        snapped = any(event.kind == "snap" for event in self.events)
+        buckled = any(event.kind == "snap" and event.detail == STRUT for event in self.events)
         peaks = [top.equilibrium for top in self.tops]
-        course = Course(self.scene, self.fixed, self.watch, order, poses, snapped, loop, self.locked, peaks)
+        course = Course(self.scene, self.fixed, self.watch, order, poses, buckled, loop, self.locked, peaks)
         return course.extremes()
 
     def _begin(self, value: float) -> Tracker:

@@ -6,7 +6,7 @@ import dataclasses
 import itertools
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, ProcessPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,9 +15,10 @@ from gripper.parameters import number
 from gripper.scene import Scene
 from gripper.summary import Summary
 from gripper.sweep.plan import Plan
+from gripper.sweep.pool import processes
 from gripper.sweep.rows import Row
 from gripper.sweep.store import Store
-from gripper.sweep.variant import begun, solved
+from gripper.sweep.variant import solved
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -133,7 +134,7 @@ def _on_processes(scene: Scene, plan: Plan, missing: dict[int, tuple[float, ...]
     suspects = 0
     while missing:
         batch = dict(itertools.islice(missing.items(), suspects or None))
-        with ProcessPoolExecutor(1 if suspects else workers, initializer=begun, initargs=(os.getpid(),)) as pool:
+        with processes(1 if suspects else workers) as pool:
             try:
                 for row in _through(pool, scene, plan, batch, 1 if suspects else _AHEAD):
                     del missing[row.variant]

@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import signal
-import threading
-import time
 from collections.abc import Mapping
 
 from gripper.parameters import replaced
@@ -14,21 +10,6 @@ from gripper.scene import Scene
 from gripper.solve import solve
 from gripper.summary import Summary
 from gripper.trace import trace
-
-_LOOKS = 1.0  # s
-
-
-def begun(parent: int) -> None:
-    """Begin a process of a sweep: Ctrl-C is for the one that leads it, and it does not outlive that."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)
-    threading.Thread(target=_ending_with, args=(parent,), daemon=True).start()
-
-
-def _ending_with(parent: int) -> None:
-    while os.getppid() == parent:
-        time.sleep(_LOOKS)
-    os._exit(1)
 
 
 def solved(scene: Scene, numbers: Mapping[str, float]) -> Summary | str:
