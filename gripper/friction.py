@@ -82,10 +82,11 @@ class Friction:
         return float(self.along(np.array([length]))[0])
 
     def along(self, s: np.ndarray) -> np.ndarray:
-        """Mu at places of the finger (n,), in m: (n,)."""
+        """Mu at places of the finger (n,), in m: (n,); nan where it is not real."""
         mu = sympy.sympify(self.finger)
         symbols = sorted(mu.free_symbols, key=str)
-        return np.array([float(mu.subs({symbol: v for symbol in symbols})) for v in np.asarray(s).tolist()])
+        values = [mu.subs({symbol: v for symbol in symbols}) for v in np.asarray(s).tolist()]
+        return np.array([float(value) if value.is_real else math.nan for value in values])
 
     @property
     def absent(self) -> bool:

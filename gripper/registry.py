@@ -6,10 +6,14 @@ import dataclasses
 import inspect
 import pkgutil
 import traceback
-from importlib.metadata import EntryPoint, entry_points
+from collections.abc import Iterator
+from importlib.metadata import EntryPoint, EntryPoints, distributions, entry_points
 from typing import Any
 
 from gripper.names import known_names
+
+LONGEST_MESSAGE = 300
+"""Characters of a stranger's error that are repeated."""
 
 
 class PluginError(RuntimeError):
@@ -80,7 +84,37 @@ def installed(group: str) -> list[Record]:
     """
     if group not in _KINDS:
         raise LookupError(f"unknown group {group!r}; known: {known_names(group, GROUPS)}")
-    return sorted({_record(point) for point in entry_points(group=group)})
+    try:
+        return sorted({_record(point) for point in entry_points(group=group)})
+    except Exception:  # one distribution's list cannot be read, and takes all others down
+        readable = (points for points, _ in _each() if not isinstance(points, Exception))
+        return sorted({_record(point) for points in readable for point in points.select(group=group)})
+
+
+def unreadable() -> list[str]:
+    """Name the distributions whose list of entry points cannot be read, each with the reason."""
+    return sorted(
+        f"{name}: its entry points cannot be read ({_said(p)})" for p, name in _each() if isinstance(p, Exception)
+    )
+
+
+def _each() -> Iterator[tuple[EntryPoints | Exception, str]]:
+    """Every distribution's entry points, or why they cannot be read, and its name and version."""
+    for distribution in distributions():
+        name = f"{distribution.name} {distribution.version}"
+        try:
+            yield distribution.entry_points, name
+        except Exception as error:  # a stranger's metadata may be anything
+            yield error, name
+
+
+def _said(error: BaseException) -> str:
+    """Write an exception in one line, whatever it is."""
+    try:
+        message = " ".join(str(error).split())
+    except Exception as broken:  # its own __str__ fails
+        message = f"its message cannot be read, {type(broken).__name__}"
+    return f"{type(error).__name__}: {message[:LONGEST_MESSAGE]}"
 
 
 def load(group: str, name: str) -> type[Any]:
@@ -163,9 +197,10 @@ def _loaded(found: list[Record]) -> type[Any]:
 def _imported(record: Record) -> Any:
     try:
         return EntryPoint(record.name, record.target, record.group).load()
-    except (Exception, SystemExit) as error:  # a stranger's module may raise anything; it is kept as the cause
-        message = " ".join(str(error).split())
-        raise PluginError(str(record), f"its import fails with {type(error).__name__}: {message}") from error
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:  # a stranger's module may raise anything, SystemExit too; it is kept as the cause
+        raise PluginError(str(record), f"its import fails with {_said(error)}") from error
 
 
 def _unfit(cls: Any, kind: _Kind) -> str | None:

@@ -44,7 +44,7 @@ class Motion:
         """Equally spaced poses from start to stop, both included; ``back`` returns the same way (turning pose once)."""
         if not 2 <= poses <= MOST_POSES:
             raise ValueError(f"poses must lie between 2 and {MOST_POSES}; got {poses!r}")
-        if not (math.isfinite(start) and math.isfinite(stop) and start != stop):
+        if not math.isfinite(stop - start) or start == stop:
             raise ValueError(f"from and to must be two different finite numbers; got {start!r} and {stop!r}")
         values = [start + (stop - start) * i / (poses - 1) for i in range(poses - 1)] + [stop]
         return cls(parameter, tuple(values + values[-2::-1] if back else values))

@@ -104,10 +104,8 @@ def sections(finger: Finger) -> Sections:
             values: Any = function(stations)[0]
         wrong = ~(np.isfinite(values) & (values > 0))
         if wrong.any():
-            place = stations[wrong][0]
-            raise ValueError(
-                f"{name} must be positive along the finger, in m; got {values[wrong][0]!r} at s = {place!r}"
-            )
+            value, place = float(values[wrong][0]), float(stations[wrong][0])
+            raise ValueError(f"{name} must be positive along the finger, in m; got {value!r} at s = {place!r}")
     clamp = np.zeros(1)
     scale = finger.material.bending_modulus * float(stiffness(clamp)[0][0]) / 12
     kinks = tuple(sorted(k / finger.length for k in finger.kinks()))

@@ -30,6 +30,8 @@ NOT_MODELLED = (
     "plasticity",
     "inertia",
 )
+HELD = "the object holds the finger"
+"""How the reason of a pose begins to which no free pose leads."""
 _FURTHEST = 20.0  # of L: beyond this no retreat is tried
 
 
@@ -90,7 +92,7 @@ def approach(fixed: Setting, final: Frame, direction: tuple[float, float], order
             break
         if back > _FURTHEST:
             raise NoEquilibriumError(
-                f"the object holds the finger however far it retreats against {direction}: "
+                f"{HELD} however far it retreats against {direction}: "
                 "give another direction in [approach], or a motion that starts from a free pose"
             )
         back += max(pace, -found.min_gap)

@@ -19,6 +19,8 @@ from gripper.events import STRUT, Along, Change, Path, changes, head_on, transit
 from gripper.snap import descend, distance
 from gripper.watch import Watch
 
+ON_CLAMP = "the object lies on the clamp"
+"""The reason of a pose that no bending frees."""
 _LONGEST = 0.1  # of L
 _SHALLOW = 0.02  # of L: how deep a sharp corner may sink before the first contact is looked for
 _BEYOND = 2e-3  # of L: how far behind a limit point the descent starts
@@ -124,7 +126,7 @@ class Tracker:
         half = float(self.setting.sections.thickness(np.zeros(1))[0]) / 2
         obstacle = self.setting.obstacle(self.path.frame(parameter))
         if float(np.min(obstacle.gap(np.array([-1j, 0j, 1j]) * half))) < -DEPTH:
-            raise NoEquilibriumError("the object lies on the clamp")
+            raise NoEquilibriumError(ON_CLAMP)
 
     def _within(self, target: float, bound: float) -> float:
         """The furthest parameter towards the target that the next step may reach."""

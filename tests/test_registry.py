@@ -5,7 +5,7 @@ import pytest
 
 from gripper.fingers import Finger, Jaw
 from gripper.objects import Object
-from gripper.registry import GROUPS, PluginError, check, installed, load
+from gripper.registry import GROUPS, PluginError, check, installed, load, unreadable
 
 BASES = {"gripper.objects": Object, "gripper.fingers": Finger, "gripper.jaws": Jaw}
 
@@ -103,6 +103,9 @@ BROKEN = {
     "foreign_missing:Peg": "No module named 'foreign_missing'",
     "foreign_broken:Peg": "its import fails with ZeroDivisionError",
     "foreign_exits:Peg": "its import fails with SystemExit",
+    "foreign_evades:Peg": "its import fails with Own: away",
+    "foreign_babbles:Peg": "its import fails with Own: its message cannot be read, ZeroDivisionError",
+    "foreign_escapes:Peg": "its import fails with RuntimeError: long long",
     "foreign_mixed:Peggy": "its import fails with AttributeError",
     "foreign_mixed": "it must be a class; got module",
     "foreign_mixed:constant": "it must be a class; got int",
@@ -112,7 +115,13 @@ BROKEN = {
     "foreign_mixed:Clash": "its fields must have other names than the scene file's own keys; got shape",
     "not a target!": "its import fails with",
 }
-SOURCES = {"foreign_broken": "1 / 0", "foreign_exits": "import sys\nsys.exit(3)"}
+SOURCES = {
+    "foreign_broken": "1 / 0",
+    "foreign_exits": "import sys\nsys.exit(3)",
+    "foreign_evades": "class Own(BaseException):\n    pass\nraise Own('away')",
+    "foreign_babbles": "class Own(Exception):\n    def __str__(self):\n        return 1 / 0\nraise Own",
+    "foreign_escapes": "raise RuntimeError('\\n\\n'.join('long' for _ in range(9999)))",
+}
 
 
 @pytest.mark.parametrize("target", BROKEN)
@@ -135,3 +144,12 @@ def test_a_name_that_two_distributions_offer_is_refused_with_both(distribution):
     offers = [record for record in installed("gripper.jaws") if record.name == "peg"]
     assert [record.distribution for record in offers] == ["foreign-one", "foreign-two"]
     assert all("offered more than once" in (check(record) or "") for record in offers)
+
+
+@pytest.mark.parametrize("entries", ["[gripper.jaws]\nno equals sign\n", "peg = a:b\n[gripper.jaws\nx\n"])
+def test_a_distribution_whose_entry_points_cannot_be_read_is_named_and_takes_no_other_down(distribution, entries):
+    distribution("foreign-garbled", entries)
+    assert load("gripper.jaws", "triangle")
+    assert all(check(record) is None for record in installed("gripper.jaws"))
+    named = [line for line in unreadable() if line.startswith("foreign-garbled 2.5: its entry points cannot be read (")]
+    assert len(named) == 1 or "no equals" not in entries

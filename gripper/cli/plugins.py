@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import sys
 
+import typer
+
 
 def plugins() -> None:
     """List the objects, fingers and jaws that are installed, and whether they can be used."""
     from rich.console import Console
     from rich.table import Table
 
-    from gripper.registry import GROUPS, check, installed
+    from gripper.registry import GROUPS, check, installed, unreadable
 
     table = Table("kind", "name", "distribution", "target", "state", box=None, pad_edge=False, header_style="bold")
     for record in (record for group in GROUPS for record in installed(group)):
@@ -18,3 +20,5 @@ def plugins() -> None:
         table.add_row(record.kind, record.name, source, record.target, check(record) or "ok")
     # into a pipe: one line a plugin, however long
     Console(markup=False, highlight=False, emoji=False, width=None if sys.stdout.isatty() else 10_000).print(table)
+    for line in unreadable():
+        typer.echo(line, err=True)

@@ -75,8 +75,11 @@ def solved(scene: Scene, scene_file: Path, report: Progress | None) -> Result:
     Raises
     ------
     SceneFileError
-        Where a rule of the scene shows only along the finger or the motion.
+        Where a rule of the scene shows only along the finger or the motion, no pose can be reached, or a plugin of
+        another distribution fails.
     """
+    import numpy as np
+
     from gripper.pose import placed
     from gripper.registry import blamed
     from gripper.scenefile import SceneFileError
@@ -85,7 +88,8 @@ def solved(scene: Scene, scene_file: Path, report: Progress | None) -> Result:
 
     finger = placed(scene.finger).body
     try:
-        return trace(scene, progress=report) if scene.motion else solve(scene)
+        with np.errstate(all="ignore"):  # the checks of each pose judge it
+            result = trace(scene, progress=report) if scene.motion else solve(scene)
     except Exception as error:
         plugin = blamed(error, finger, finger.jaw, placed(scene.object).body)
         if plugin:
@@ -95,5 +99,22 @@ def solved(scene: Scene, scene_file: Path, report: Progress | None) -> Result:
             ) from error
         if not isinstance(error, ValueError) or " must " not in str(error):
             raise
-        # a rule that shows only along the finger or the motion, as a thickness below 0 or a pose of log(-1)
+        # a rule that shows only along the finger or the motion
         raise SceneFileError(f"{scene_file}: {error}") from error
+    _check_reached(result, scene_file)
+    return result
+
+
+def _check_reached(result: Result, scene_file: Path) -> None:
+    """Refuse a scene of which no pose can be reached, whatever the finger does."""
+    from gripper.scenefile import SceneFileError
+    from gripper.solve import HELD
+    from gripper.tracker import ON_CLAMP
+
+    reasons = {pose.reason or "" for pose in result.poses}
+    if reasons == {ON_CLAMP}:
+        rule = "must leave the finger's clamp outside the object"
+        raise SceneFileError(f"{scene_file}: object.pose: {rule}; got the clamp inside in every pose")
+    if all(reason.startswith(HELD) for reason in reasons):
+        rule = "must be one along which the object comes from where it is free"
+        raise SceneFileError(f"{scene_file}: approach.direction: {rule}; got {result.scene.approach}")

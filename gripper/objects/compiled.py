@@ -38,6 +38,11 @@ class PerInstance(Generic[Key, Value]):
         return value
 
 
+def smooth(expression: sympy.Expr) -> sympy.Expr:
+    """Drop the delta functions that kinks leave in second derivatives: the value beside a kink."""
+    return expression.replace(sympy.DiracDelta, lambda *_: sympy.Integer(0))
+
+
 def second_derivatives(gradient: tuple[sympy.Expr, sympy.Expr]) -> tuple[sympy.Expr, sympy.Expr, sympy.Expr]:
     """Return the entries xx, xy, yy of the Hessian, with the delta functions of kinks."""
     return sympy.diff(gradient[0], X), sympy.diff(gradient[0], Y), sympy.diff(gradient[1], Y)
@@ -56,11 +61,6 @@ def second_derivatives_beside_kinks(
     along_x, along_y = (entry.xreplace(held) for entry in gradient)
     xx, xy, yy = second_derivatives((along_x, along_y))
     return xx.xreplace(again), xy.xreplace(again), yy.xreplace(again)
-
-
-def smooth(expression: sympy.Expr) -> sympy.Expr:
-    """Drop the delta functions that kinks leave in second derivatives: the value beside a kink."""
-    return expression.replace(sympy.DiracDelta, lambda *_: sympy.Integer(0))
 
 
 @functools.lru_cache(maxsize=1024)

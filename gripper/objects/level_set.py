@@ -113,9 +113,7 @@ class LevelSet:
         g = self.evaluate(edge, 0)[0]
         if g.min() <= 0:
             at = tuple(edge[g.argmin()].tolist())
-            rule = (
-                f"make a g that is positive on the edge of its extent, the square of half size {h} m about the origin"
-            )
+            rule = f"make a g that is positive on the edge of its extent, a square of half size {h} m about the origin"
             raise ValueError(f"{self.names} must {rule}; got {g.min()} at {at}")
         x, y = np.meshgrid(side, side)
         g = self.evaluate(np.column_stack([x.ravel(), y.ravel()]), 1)[0]

@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+import numpy as np
+
 from gripper.describe import describe as resolved
 from gripper.scene import Scene
 from gripper.scenefile import sections, toml
@@ -12,8 +14,8 @@ from gripper.scenefile.place import Place, SceneFileError
 
 __all__ = ["SceneFileError", "dumps", "loads", "read", "resolved"]
 
-LARGEST_FILE = 50_000_000
-"""Bytes; a scene of a million listed poses has 20 million."""
+LARGEST_FILE = 5_000_000
+"""Bytes; a scene of as many listed poses as a motion may have has 2 million."""
 
 
 def read(path: str | os.PathLike[str]) -> Scene:
@@ -61,7 +63,8 @@ def loads(text: str, name: str = "scene") -> Scene:
         It breaks a rule: one line with name, key, rule and the value got.
     """
     place = Place(name)
-    return sections.scene(toml.tables(text, place), place)
+    with np.errstate(all="ignore"):  # what is not finite is refused by its value
+        return sections.scene(toml.tables(text, place), place)
 
 
 def dumps(scene: Scene) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import unicodedata
 from dataclasses import replace
 from typing import Any, get_args
 
@@ -15,6 +16,7 @@ from gripper.objects import Object
 from gripper.pose import Placed, Pose
 from gripper.registry import OWN, PluginError, installed, load, record_of
 from gripper.scene import MOST_POSES, Motion, Scene, Theory
+from gripper.scenefile.checks import check_whole
 from gripper.scenefile.design import read_limits, read_material, read_pair, read_tolerances
 from gripper.scenefile.place import (
     Place,
@@ -39,6 +41,8 @@ _SCENE_FIELDS = (
     | {key: f"friction.{key}" for key in ("coefficient", "model", "sense")}
 )
 _SPAN = ("from", "to", "poses")
+LONGEST_TITLE = 500
+"""Characters."""
 _DEEPEST = 8  # objects within objects
 
 Names = tuple[str, ...]
@@ -58,10 +62,12 @@ def scene(tables: Table, place: Place) -> Scene:
     optional |= _friction(*_section(tables, "friction", place))
     if "limits" in tables:
         optional["limits"] = read_limits(tables["limits"], place.at("limits"))
+    optional["title"] = _title(tables, place)
     try:
-        made = Scene(finger=finger, object=target, motion=motion, title=_title(tables, place), **optional)
+        made = Scene(finger=finger, object=target, motion=motion, **optional)
     except ValueError as error:
         raise place.broken(error, _SCENE_FIELDS) from None
+    check_whole(made, place)
     if "tolerance" not in tables:
         return made
     return replace(made, tolerances=read_tolerances(tables["tolerance"], place.at("tolerance"), made))
@@ -76,6 +82,10 @@ def _title(tables: Table, place: Place) -> str:
     title = tables.get("title", "")
     if not isinstance(title, str):
         raise place.at("title").error("must be a text", shown(title))
+    if len(title) > LONGEST_TITLE:
+        raise place.at("title").error(f"must be at most {LONGEST_TITLE} characters long", f"{len(title)} characters")
+    if any(unicodedata.category(letter) == "Cc" and letter not in "\t\n\r" for letter in title):
+        raise place.at("title").error("must hold no control characters", shown(title))
     return title
 
 

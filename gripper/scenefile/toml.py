@@ -10,6 +10,9 @@ from typing import Any
 from gripper.names import shortened
 from gripper.scenefile.place import BARE_KEY, Place, SceneFileError, Table
 
+MOST_DOTS = 1000
+"""In a line, between the signs that end a name: more than the longest expression can have."""
+_ENDS = re.compile(r"[,=\[\]{}]")
 _LINE = re.compile(r"\(at line (\d+), column (\d+)\)")
 
 
@@ -21,12 +24,20 @@ def tables(text: str, place: Place) -> Table:
     SceneFileError
         It is not TOML; names the line.
     """
+    _check_dots(text, place)
     try:
         return tomllib.loads(text)
     except RecursionError:
         raise place.error("must be TOML with few levels of arrays and tables", "too many levels") from None
     except ValueError as error:  # tomllib's own, and Python's for integers of thousands of digits
         raise _syntax_error(text, str(error), place) from None
+
+
+def _check_dots(text: str, place: Place) -> None:
+    """Refuse names of so many parts that reading them takes for ever: tomllib's time grows as their square."""
+    for i, line in enumerate(text.splitlines() if text.count(".") > MOST_DOTS else (), start=1):
+        if line.count(".") > MOST_DOTS and max(part.count(".") for part in _ENDS.split(line)) > MOST_DOTS:
+            raise SceneFileError(f"{place.file}: line {i}: must be TOML with few dots in a name; got too many")
 
 
 def _syntax_error(text: str, message: str, place: Place) -> SceneFileError:

@@ -16,11 +16,15 @@ from gripper.scenefile.place import Place, shown
 Nest: TypeAlias = Callable[[str, Any, Place], Any]
 """Makes a plugin of a group from a table at a place."""
 
+LARGEST = 1e30
+"""Magnitude of a number, in SI units: its square's square is still a float."""
+
 
 def read_number(value: Any, place: Place) -> float:
     """Read a number, or an expression in a string."""
     if isinstance(value, str):
-        return float(_computed(value, place, number))
+        result = float(_computed(value, place, number))
+        return _bounded(result, value, place)
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise place.error("must be a number, or an expression in a string", shown(value))
     try:
@@ -29,7 +33,13 @@ def read_number(value: Any, place: Place) -> float:
         result = math.inf
     if not math.isfinite(result):
         raise place.error("must be a finite number", shown(value))
-    return result
+    return _bounded(result, value, place)
+
+
+def _bounded(number: float, value: Any, place: Place) -> float:
+    if abs(number) > LARGEST:
+        raise place.error(f"must lie between {-LARGEST:g} and {LARGEST:g}, in SI units", shown(value))
+    return number
 
 
 def read_count(value: Any, place: Place) -> int:
@@ -45,7 +55,7 @@ def read_expression(value: Any, names: Collection[str], place: Place) -> float |
     if not isinstance(value, str):
         return read_number(value, place)
     expression = _computed(value, place, lambda text: parse(text, names))
-    return expression if expression.free_symbols else float(expression)
+    return expression if expression.free_symbols else _bounded(float(expression), value, place)
 
 
 def _computed(text: str, place: Place, compute: Callable[[str], Any]) -> Any:
