@@ -19,7 +19,7 @@ from gripper.expression.vocabulary import FUNCTIONS, UNITS
 from gripper.scenefile import SceneFileError, dumps, loads, resolved
 from gripper.scenefile.toml import written
 
-short = settings(derandomize=True, deadline=None, max_examples=40, suppress_health_check=list(HealthCheck))
+short = settings(derandomize=True, deadline=None, max_examples=25, suppress_health_check=list(HealthCheck))
 searched = settings() if "HYPOTHESIS_PROFILE" in os.environ else short
 
 GALLERY = Path(__file__).parent.parent / "gallery"

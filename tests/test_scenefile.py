@@ -534,3 +534,30 @@ def test_a_field_that_breaks_its_rule_is_named_with_its_place(table, message):
         sample(**table)
     assert message in str(refusal.value)
     assert "Input should" not in str(refusal.value)
+
+
+@pytest.mark.parametrize("name", ["rotating_finger", "micro_assembly"])
+def test_the_scene_of_a_result_is_read_back_as_it_was(tmp_path, name):
+    scene = read(GALLERY / f"{name}.toml")
+    path = tmp_path / "result.json"
+    path.write_text(json.dumps({"schema": 1, "scene": resolved(scene), "poses": []}))
+    assert read(path) == loads(dumps(scene))
+    assert resolved(read(path)) == resolved(scene)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("{", "must be JSON, as result.json is; got JSONDecodeError"),
+        ("[" * 100_000, "must be JSON, as result.json is; got RecursionError"),
+        ("[]", "scene: must be a table; got None"),
+        ('{"scene": {"material": {"youngs_modulus": NaN}}}', "scene.finger, scene.object: must be given; got material"),
+        ('{"scene": {"titel": ""}}', "scene.titel: must be a known key: title, "),
+    ],
+)
+def test_a_result_without_a_scene_is_refused_by_its_key(tmp_path, text, message):
+    path = tmp_path / "result.json"
+    path.write_text(text)
+    with pytest.raises(SceneFileError) as refusal:
+        read(path)
+    assert str(refusal.value).startswith(f"{path}: {message}")

@@ -15,7 +15,10 @@ if TYPE_CHECKING:
 
 
 def run(
-    scene_file: Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The scene.", show_default=False)],
+    scene_file: Annotated[
+        Path,
+        typer.Argument(metavar="SCENE.toml", help="The scene; or a result.json, for its scene.", show_default=False),
+    ],
     output: Annotated[
         Path | None,
         typer.Option(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from pathlib import Path
 
@@ -10,7 +11,7 @@ import numpy as np
 from gripper.describe import describe as resolved
 from gripper.scene import Scene
 from gripper.scenefile import sections, toml
-from gripper.scenefile.place import Place, SceneFileError
+from gripper.scenefile.place import Place, SceneFileError, as_table
 
 __all__ = ["SceneFileError", "dumps", "loads", "read", "resolved"]
 
@@ -19,12 +20,12 @@ LARGEST_FILE = 5_000_000
 
 
 def read(path: str | os.PathLike[str]) -> Scene:
-    """Read a scene file.
+    """Read a scene file, or the scene of a result.
 
     Parameters
     ----------
     path
-        Of a TOML file, in UTF-8.
+        Of a TOML file, in UTF-8; or of a result.json, whose scene it is to be.
 
     Raises
     ------
@@ -44,7 +45,19 @@ def read(path: str | os.PathLike[str]) -> Scene:
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
         raise place.error("must be UTF-8", f"byte 0x{data[error.start]:02x} in line {line}") from None
-    return loads(text, place.file)
+    return _of_result(text, place) if Path(path).suffix == ".json" else loads(text, place.file)
+
+
+def _of_result(text: str, place: Place) -> Scene:
+    """Read the scene that a result answers, as it was resolved."""
+    try:
+        result = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise place.error("must be JSON, as result.json is", f"{type(error).__name__}: {error}") from None
+    tables = result.get("scene") if isinstance(result, dict) else None
+    place = place.at("scene")
+    with np.errstate(all="ignore"):
+        return sections.scene(as_table(tables, place), place)
 
 
 def loads(text: str, name: str = "scene") -> Scene:
