@@ -14,6 +14,7 @@ from gripper.answer import drive, largest_strain
 from gripper.assemble import law
 from gripper.certificate import survey
 from gripper.clearance import clearance
+from gripper.climb import Measure
 from gripper.equilibrium import Equilibrium, Setting, State, settle
 from gripper.extremes import Extreme, Extremes
 from gripper.kept import Kept
@@ -23,7 +24,7 @@ from gripper.outline import dot
 from gripper.pose_result import PoseResult
 from gripper.scene import Scene
 from gripper.splitting import is_published, split_forces
-from gripper.watch import Measure, Watch
+from gripper.watch import Watch
 
 Number = Callable[[Equilibrium], float]
 _NO_LOSS = 1e-6  # of the work put in: what is lost in less is no snap
