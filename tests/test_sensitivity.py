@@ -92,6 +92,42 @@ def test_a_contact_that_sticks_remembers_through_its_derivatives_where_it_began_
             np.testing.assert_allclose(read(exact, name), differences, rtol=1e-3, err_msg=f"{key} {name}")
 
 
+PASSED = {
+    "I": micro_assembly(*np.linspace(0.086, 0.05, 13)),  # needs most where the lead face ends, holds on the corner
+    "I, there and back with friction": micro_assembly(*np.linspace(0.086, 0.05, 7), 0.07, friction=ROUGH),
+    "II": rotating_finger(*np.linspace(-0.1016, 0.06, 9)),
+}
+
+
+@pytest.mark.parametrize("motion", PASSED)
+def test_derivatives_of_the_summary_follow_its_peaks(motion):
+    scene = PASSED[motion]
+    result = gr.trace(scene)
+    for key in ("finger.length", "object.pose.y"):
+        exact, value = result.sensitivity(key).summary, numbers(scene)[key]
+        step = 1e-3 * value
+        there, back = (gr.trace(replaced(scene, {key: value + h})).summary() for h in (step, -step))
+        for name in ("insertion_force", "retention_force", "force_on_object", "strain"):
+            differences = (getattr(there, name) - getattr(back, name)) / (2 * step)
+            assert exact[name] == pytest.approx(differences, rel=3e-4), f"{key} {name}"
+
+
+def test_margins_and_ratio_follow_from_the_peaks():
+    tough = dataclasses.replace(PLASTIC, yield_strain=0.02)
+    scene = PASSED["I"]
+    scene = dataclasses.replace(scene, finger=dataclasses.replace(scene.finger, material=tough))
+    result = gr.trace(scene)
+    summary, found = result.summary(), result.sensitivities(["finger.thickness", "material.yield_strain"])
+    by_thickness, by_limit = (found[key].summary for key in found)
+    assert by_thickness["strain_margin"] == pytest.approx(-by_thickness["strain"] / 0.02)
+    assert by_thickness["repeated_strain_margin"] == pytest.approx(-by_thickness["strain"] / 0.012)
+    assert by_limit["strain_margin"] == pytest.approx(summary.strain / 0.02**2)
+    assert by_limit["repeated_strain_margin"] == pytest.approx(summary.strain / (0.6 * 0.02**2))
+    logarithmic = by_thickness["retention_force"] / summary.retention_force
+    logarithmic -= by_thickness["insertion_force"] / summary.insertion_force
+    assert by_thickness["retention_ratio"] == pytest.approx(summary.retention_ratio * logarithmic)
+
+
 ELLIPTIC = gr.Scene(
     finger=Tapered(length=0.1778, base_thickness=0.030, tip_thickness=0.017, width=0.025, material=RUBBER),
     object=Ellipse(semi_axes=(0.0495, 0.0337)).at(x=0.1207, y=-0.0508, angle=-1.5708),

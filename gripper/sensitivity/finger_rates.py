@@ -75,6 +75,18 @@ class FingerRates:
         table = np.array(self._kinks(*self.values), dtype=float).reshape(1 + self.count, -1) / self.length
         return table[0], table[1:] - self.log_length[:, None] * table[0]
 
+    def lengths(self) -> Array:
+        """Rates of the rigid pieces' lengths, (p, pieces)."""
+        vertices = self._vertices()
+        edges, at, out = np.roll(vertices, -1, axis=1) - vertices, 0, []
+        for piece in self.outline.pieces[UPPER + 1 :]:
+            if piece.on == "tip":
+                out.append(self.thickness(np.ones(1))[0][:, 0])
+                continue
+            out.append((piece.direction.conjugate() * edges[:, at]).real)
+            at += 1
+        return np.array(out).reshape(len(out), self.count).T
+
     def rigid(self) -> tuple[Complex, Complex]:
         """Rates of start and direction of the outline's rigid pieces and corners, as it numbers them: (p, pieces)."""
         outline, half = self.outline, self.thickness(np.ones(1))[0][:, 0] / 2

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 Side = Literal["exact", "one-sided", "none"]
 _HERE = 1e-7  # of the motion's range: an event this near is at the pose
 _END = 1e-7  # of L: a contact this near to the end of its piece is there
-_FEEBLE = 1e-7  # of the largest multiplier, of mu, of the largest slip
+FEEBLE = 1e-7  # of the largest multiplier, of mu, of the largest slip
 _SOFT = 1e-6  # smallest eigenvalue of the reduced Hessian: below it a snap
 _THEORIES = ("auto", "bending", "shear")
 _KNOWN: dict[type, set[str]] = {
@@ -94,7 +94,7 @@ def edge(kept: Kept) -> str | None:
     state, first = equilibrium.state, 0
     largest = float(np.max(np.abs(state.multipliers), initial=0.0))
     for site in state.sites:
-        if state.multipliers[first] <= _FEEBLE * largest and len(state.sites) > 1:
+        if state.multipliers[first] <= FEEBLE * largest and len(state.sites) > 1:
             return "a contact only grazes"
         if at_end(site, outline):
             return "a contact is at the end of its face or edge"
@@ -119,9 +119,9 @@ def _holding(equilibrium: Equilibrium) -> str | None:
     pace = float(np.linalg.norm(tangent(equilibrium)[0])) + 1.0
     for i in deciding:
         grip = grip_of(equilibrium, i)
-        if grip.hold == "slip" and abs(rates[i]) < _FEEBLE * pace:
+        if grip.hold == "slip" and abs(rates[i]) < FEEBLE * pace:
             return "a contact is about to stick"
         mu = coefficient(equilibrium, i)
-        if grip.hold == "stick" and mu - abs(grip.ratio) < _FEEBLE * mu:
+        if grip.hold == "stick" and mu - abs(grip.ratio) < FEEBLE * mu:
             return "a contact is about to slip"
     return None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -14,6 +14,7 @@ from gripper.pose_result import PoseResult, Record, Vector, jsonable
 from gripper.sensitivity.limits import refusal, side
 from gripper.sensitivity.numbers import Table, free_rates, pose_rates
 from gripper.sensitivity.seeds import Seeds
+from gripper.sensitivity.summary_rates import Rows, summary_rates
 
 if TYPE_CHECKING:
     from gripper.result import Result
@@ -63,6 +64,9 @@ class Sensitivity(Record):
         What it is, in SI units.
     poses
         One entry a pose.
+    summary
+        Derivatives of :meth:`gripper.Result.summary`'s peaks, ratio and margins by their names; None where none is
+        known: what is largest because the finger snaps, or begins to stick, there.
 
     Of a result of one pose, that pose's derivatives are its own: ``sensitivity.energy``.
     """
@@ -70,6 +74,7 @@ class Sensitivity(Record):
     key: str
     value: float
     poses: tuple[PoseSensitivity, ...]
+    summary: Mapping[str, float | None] = dataclasses.field(default_factory=dict)
 
     @property
     def pose(self) -> PoseSensitivity:
@@ -124,14 +129,22 @@ def sensitivities(result: Result, keys: Sequence[str] | None = None) -> dict[str
     values = {key: known[key] if key in known else number(scene, key) for key in keys}
     refusal(scene)
     kept = [_kept(pose) for pose in result.poses]
+    summary: Rows = {}
     first = next((k for k in kept if k is not None), None)
     if first is None:
         tables: list[list[PoseSensitivity]] = [[_none(pose, pose.reason) for _ in keys] for pose in result.poses]
     else:
         seeds = Seeds(scene, first.setting, keys)
         tables = [_of_pose(result, seeds, pose, k) for pose, k in zip(result.poses, kept, strict=True)]
+        moving = Seeds(scene, first.setting, keys, moving=scene.motion is not None)
+        summary = summary_rates(result, moving, keys)
     return {
-        key: Sensitivity(key=key, value=values[key], poses=tuple(table[i] for table in tables))
+        key: Sensitivity(
+            key=key,
+            value=values[key],
+            poses=tuple(table[i] for table in tables),
+            summary={name: None if rates is None else float(rates[i]) for name, rates in summary.items()},
+        )
         for i, key in enumerate(keys)
     }
 

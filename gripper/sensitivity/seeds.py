@@ -10,6 +10,7 @@ import numpy as np
 import sympy
 
 from gripper.arrays import Array, Complex
+from gripper.contact import Site
 from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting
 from gripper.friction import Coefficients
 from gripper.kinematics import Kinematics
@@ -260,19 +261,22 @@ class Seeds:
                 change.vertices[self._object_rows, at] += corners[:, vertex]
 
     def _of_friction(self, t: Touching, change: Change) -> None:
-        friction = self.scene.friction
-        if friction is None:
-            return
-        varies = bool(sympy.sympify(friction.finger).free_symbols)
         for span in t.spans:
             grip = span.site.grip
-            if grip is None or grip.hold != "slip":
-                continue
-            on = t.setting.outline.place(span.site.piece, np.zeros(1))[0]
-            own = isinstance(friction.coefficient, Coefficients) and on == "jaw"
-            mine = ("friction.coefficient", "friction.coefficient.jaw" if own else "friction.coefficient.finger")
-            change.ratios[[key in mine for key in self.keys], span.queries] = -grip.sense
-            if varies and not own:
-                s = float(np.mean(t.s[span.queries]))
-                steep = -grip.sense * grip.law.at(LOWER, s)[1] * s  # at a fixed part of the length
-                change.ratios[:, span.queries] += (steep * self.log_length)[:, None]
+            if grip is not None and grip.hold == "slip":
+                change.ratios[:, span.queries] = -grip.sense * self.friction_rates(span.site)[:, None]
+
+    def friction_rates(self, site: Site) -> Array:
+        """Rates of mu at a contact, by each number."""
+        friction, grip = self.scene.friction, site.grip
+        if friction is None or grip is None:
+            return np.zeros(len(self.keys))
+        on, s = self.setting.outline.place(site.piece, np.array([site.middle if site.place else 1.0]))
+        own = isinstance(friction.coefficient, Coefficients) and on == "jaw"
+        mine = ("friction.coefficient", "friction.coefficient.jaw" if own else "friction.coefficient.finger")
+        rates = np.array([float(key in mine) for key in self.keys])
+        if own or not sympy.sympify(friction.finger).free_symbols:
+            return rates
+        place = float(s[0]) if site.on_face else 1.0
+        steep = grip.law.at(LOWER, place)[1] * place  # at a fixed part of the length
+        return rates + steep * self.log_length

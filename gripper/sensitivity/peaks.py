@@ -1,0 +1,178 @@
+"""Derivatives of what is largest along a motion.
+
+Where a number is stationary along the motion, its place may be held (the envelope theorem). Where it is largest
+because something changes there (a contact reaches the end of its edge, a hold is lost), the place moves with what
+changes: f_p + f_q q_p, q_p from the condition of the change.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from gripper.answer import largest_strain
+from gripper.arrays import Array
+from gripper.contact import Site
+from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, settle
+from gripper.events import Along, Branch
+from gripper.grip import dressed
+from gripper.holds import coefficient
+from gripper.outline import LOWER, UPPER
+from gripper.sensitivity.limits import FEEBLE, at_end
+from gripper.sensitivity.numbers import Reading
+from gripper.sensitivity.seeds import Seeds
+from gripper.sensitivity.tangent import Rates, rates
+
+_STATIONARY = 1e-3  # of a number, over 1 % of the motion: what a peak that was located may still rise
+_SHARP = 1e-8  # the same, where it is sharp enough
+_CLIMBS = 4
+_MEETING = 1e-5  # of L: how far a contact's twin on the next edge may be from the edge's end
+
+
+class Summit:
+    """What is largest at an equilibrium of a motion, and its rates.
+
+    Parameters
+    ----------
+    seeds
+        Of the numbers, with the motion's parameter after them where there is a motion.
+    name
+        What is largest: "motion_force", "max_strain" or "force".
+    """
+
+    def __init__(self, seeds: Seeds, name: str) -> None:
+        self.seeds, self.name = seeds, name
+        motion = seeds.scene.motion
+        self.ends = (min(motion.values), max(motion.values)) if motion else None
+
+    def rates(self, equilibrium: Equilibrium) -> Array | None:
+        """Derivatives of the largest value by the numbers (p,); None where they are not known."""
+        here, found = self._read(equilibrium)
+        parameter = equilibrium.obstacle.frame.parameter
+        if parameter is None or self.ends is None:
+            return here
+        if parameter in self.ends:
+            return here[:-1]
+        moving = _moving(self.seeds, equilibrium, found)
+        if moving is not None:
+            whole: Array = here[:-1] + moving * here[-1]
+            return whole
+        if self._rise(here, equilibrium) > _STATIONARY:
+            return None
+        return self._climbed(equilibrium, parameter, here)[:-1]
+
+    def _read(self, equilibrium: Equilibrium) -> tuple[Array, Rates]:
+        touching, frames = self.seeds.touching(equilibrium), self.seeds.frames(equilibrium.obstacle.frame.parameter)
+        found = rates(touching, self.seeds.change(touching, frames))
+        table = Reading(self.seeds, touching, frames, found, equilibrium.obstacle.frame.parameter).table()
+        if self.name != "force":
+            return table[self.name], found
+        force = -equilibrium.force / abs(equilibrium.force)
+        return table["force_on_object_finger_frame"] @ np.array([force.real, force.imag]), found
+
+    def _rise(self, here: Array, equilibrium: Equilibrium) -> float:
+        """How much the number rises over 1 % of the motion, relative."""
+        scales = self.seeds.setting.sections
+        speed, force = abs(equilibrium.obstacle.frame.velocity), abs(equilibrium.force)
+        sizes = {"force": force * scales.force_scale, "motion_force": force * speed * scales.energy_scale}
+        size = sizes.get(self.name) or largest_strain(self.seeds.setting, equilibrium)[0]
+        low, high = self.ends or (0.0, 0.0)
+        return float(abs(here[-1]) * 1e-2 * (high - low) / size)
+
+    def _climbed(self, equilibrium: Equilibrium, parameter: float, here: Array) -> Array:
+        """The rates nearer to where the number is stationary: secants on its slope."""
+        low, high = self.ends or (0.0, 0.0)
+        branch = Branch(
+            self.seeds.setting, self.seeds.kinematics, Along(parameter, equilibrium), equilibrium.state.beam.order
+        )
+        known, step = (parameter, here), 1e-3 * (high - low)
+        for _ in range(_CLIMBS):
+            if self._rise(known[1], equilibrium) < _SHARP:
+                break
+            place = known[0] + step
+            try:
+                found = self._read(branch.at(place))[0]
+            except NoEquilibriumError:
+                break  # the branch ends: the peak is as near as it gets
+            curvature = (found[-1] - known[1][-1]) / step
+            known = (place, found) if abs(found[-1]) < abs(known[1][-1]) else known
+            step = -known[1][-1] / curvature if curvature else 0.0
+            if not 0 < abs(step) < 1e-2 * (high - low):
+                break
+        return known[1]
+
+
+def _moving(seeds: Seeds, equilibrium: Equilibrium, found: Rates) -> Array | None:
+    """How the place of a change moves along the motion with each number; None where nothing is seen to change."""
+    for known in (equilibrium, *_twins(seeds.setting, equilibrium)):
+        solution = found if known is equilibrium else _rates(seeds, known)
+        margin = _margin(seeds, known, solution)
+        if margin is not None and margin[-1]:
+            moved: Array = -margin[:-1] / margin[-1]
+            return moved
+    return None
+
+
+def _rates(seeds: Seeds, equilibrium: Equilibrium) -> Rates:
+    touching, frames = seeds.touching(equilibrium), seeds.frames(equilibrium.obstacle.frame.parameter)
+    return rates(touching, seeds.change(touching, frames))
+
+
+def _margin(seeds: Seeds, equilibrium: Equilibrium, found: Rates) -> Array | None:
+    """Rates of what vanishes at a change: the way to an edge's end, a contact's force, what is left of mu."""
+    outline, state = seeds.setting.outline, equilibrium.state
+    largest = float(np.max(np.abs(state.multipliers), initial=0.0))
+    row = column = 0
+    for i, site in enumerate(state.sites):
+        if at_end(site, outline):
+            last = column + site.unknown_places - 1
+            if site.place[0] < outline.pieces[site.piece].length / 2:
+                return found.places[:, column]
+            return found.places[:, last] - _length_rates(seeds, site)
+        if state.multipliers[row] <= FEEBLE * largest:
+            return found.multipliers[:, row]
+        if site.grip is not None and site.grip.unknown:
+            mu = coefficient(equilibrium, i)
+            if mu - abs(site.grip.ratio) <= FEEBLE * mu:
+                sign = float(np.sign(site.grip.ratio))
+                return sign * found.places[:, column + site.unknown_places] - seeds.friction_rates(site)
+        row, column = row + site.multipliers, column + site.unknowns
+    return None
+
+
+def _length_rates(seeds: Seeds, site: Site) -> Array:
+    """Rates of the length of a contact's piece."""
+    if site.piece in (LOWER, UPPER):
+        return np.zeros(len(seeds.keys))
+    return seeds.spread(seeds.finger.lengths()[:, site.piece - (UPPER + 1)])
+
+
+def _twins(setting: Setting, equilibrium: Equilibrium) -> list[Equilibrium]:
+    """The same equilibrium with a corner read as the end of an edge beside it: where an edge hands over to a corner."""
+    outline, state = setting.outline, equilibrium.state
+    out = []
+    for i, site in enumerate(state.sites):
+        if site.kind != "corner":
+            continue
+        corner = outline.corners[site.piece - len(outline.pieces)].point
+        for number, piece in enumerate(outline.pieces):
+            if number <= UPPER:
+                ends = {setting.sections.thickness(np.ones(1))[0] / 2 * (1j if number == UPPER else -1j): 1.0}
+            else:
+                ends = {piece.start: 0.0, piece.start + piece.length * piece.direction: piece.length}
+            place = next((u for end, u in ends.items() if abs(end - corner) < 1e-9), None)
+            if place is None:
+                continue
+            twin = replace(site, kind="tangent", piece=number, place=(place,), grip=None)
+            (twin,) = dressed(setting.friction, (site,), (twin,))
+            sites = (*state.sites[:i], twin, *state.sites[i + 1 :])
+            try:
+                found = settle(setting, equilibrium.obstacle, replace(state, sites=sites), state.beam.order)
+            except NoEquilibriumError:
+                continue  # no such edge touches here
+            settled = found.state.sites[i]
+            if abs(settled.place[0] - place) < _MEETING:
+                held = replace(settled, place=(place,))
+                out.append(replace(found, state=replace(found.state, sites=(*sites[:i], held, *sites[i + 1 :]))))
+    return out
