@@ -27,7 +27,18 @@ FEEBLE = 1e-7  # of the largest multiplier, of mu, of the largest slip
 _SOFT = 1e-6  # smallest eigenvalue of the reduced Hessian: below it a snap
 _THEORIES = ("auto", "bending", "shear")
 _KNOWN: dict[type, set[str]] = {
-    Scene: {"finger", "object", "motion", "approach", "friction", "theory", "tolerance", "title"},
+    Scene: {
+        "finger",
+        "object",
+        "motion",
+        "approach",
+        "friction",
+        "theory",
+        "tolerance",
+        "title",
+        "limits",
+        "tolerances",
+    },
     Finger: {"length", "width", "material", "jaw"},
     Material: {
         *("youngs_modulus", "poisson_ratio", "shear_modulus", "plane"),
