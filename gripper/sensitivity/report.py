@@ -11,7 +11,7 @@ import numpy as np
 from gripper.kept import Kept
 from gripper.parameters import number, numbers
 from gripper.pose_result import PoseResult, Record, Vector, jsonable
-from gripper.sensitivity.limits import refusal, side
+from gripper.sensitivity.limits import THEORIES, refusal, side
 from gripper.sensitivity.numbers import Table, free_rates, pose_rates
 from gripper.sensitivity.seeds import Seeds
 from gripper.sensitivity.summary_rates import Rows, summary_rates
@@ -134,6 +134,9 @@ def sensitivities(result: Result, keys: Sequence[str] | None = None) -> dict[str
     if first is None:
         tables: list[list[PoseSensitivity]] = [[_none(pose, pose.reason) for _ in keys] for pose in result.poses]
     else:
+        if first.setting.theory not in THEORIES:
+            rule = f"be one of {', '.join(THEORIES)}, to be differentiated"
+            raise ValueError(f"theory must {rule}; got {first.setting.theory!r}")
         seeds = Seeds(scene, first.setting, keys)
         tables = [_of_pose(result, seeds, pose, k) for pose, k in zip(result.poses, kept, strict=True)]
         moving = Seeds(scene, first.setting, keys, moving=scene.motion is not None)
