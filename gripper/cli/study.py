@@ -19,29 +19,50 @@ THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS")
 
 
 def study(
-    scene_file: Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The scene.", show_default=False)],
+    scene_file: Annotated[
+        Path | None, typer.Argument(metavar="SCENE.toml", help="The scene; none with --robustness.", show_default=False)
+    ] = None,
     output: Annotated[
         Path | None,
         typer.Option("-o", "--output", metavar="DIR", help="Folder to write to; out/study, if not given."),
     ] = None,
     at: Annotated[
-        float | None,
-        typer.Option(help="Pose, as the motion's parameter; where the force is largest, if not given."),
+        list[float] | None,
+        typer.Option(help="Pose, as the motion's parameter; where the force is largest, or three, if not given."),
     ] = None,
+    models: Annotated[bool, typer.Option("--models", help="Compare theories, from the handbook to elements.")] = False,
+    robustness: Annotated[
+        bool,
+        typer.Option("--robustness", help="Solve extreme scenes and random ones; resumable."),
+    ] = False,
+    scenes: Annotated[int, typer.Option(help="Random scenes of --robustness.", min=0)] = 2000,
+    seed: Annotated[int, typer.Option(help="Of the random scenes.", min=0)] = 0,
     quick: Annotated[bool, typer.Option("--quick", help="Few and coarse points, one repeat.")] = False,
 ) -> None:
     """Measure error against run time: this project, the paper's scheme, CasADi/IPOPT where it is installed.
 
-    Writes work_precision.csv and work_precision.png, and prints the table. One thread; minutes on a slow machine.
+    Writes work_precision.csv and work_precision.png; with --models, models.csv; with --robustness, robustness.csv; and
+    prints the table. One thread; a minute or more.
 
-    Exit status: 0; 1 where there is nothing to compare with; 2 for a bad scene; 130 when interrupted.
+    Exit status: 0; 1 where there is nothing to compare with or a scene came out wrong; 2 for a bad scene or option;
+    130 when interrupted.
     """
     folder = output or Path("out", "study")
+    if models and robustness:
+        stop("--models and --robustness must not stand together", BAD_INPUT)
+    if (scene_file is None) != robustness:
+        stop("a scene must be given, but for --robustness, which makes its own", BAD_INPUT)
     try:
-        if one_thread():
+        if not one_thread():
+            return
+        if scene_file is None:
+            _robustness(folder, scenes, seed, quick)
+        elif models:
+            _models(scene_file, folder, at, quick)
+        else:
             _study(scene_file, folder, at, quick)
     except KeyboardInterrupt:
-        stop("interrupted: nothing was written", INTERRUPTED)
+        stop("interrupted" + ("; the same command goes on from here" if robustness else ""), INTERRUPTED)
 
 
 def one_thread() -> bool:
@@ -66,7 +87,39 @@ def scene_of(scene_file: Path) -> Scene:
         stop(str(error), BAD_INPUT)
 
 
-def _study(scene_file: Path, folder: Path, at: float | None, quick: bool) -> None:
+def _robustness(folder: Path, scenes: int, seed: int, quick: bool) -> None:
+    from gripper.output import prepared
+    from gripper.study.robustness import scenes as made
+    from gripper.study.robustness import study as judged
+    from gripper.study.robustness import summary
+
+    record = folder / "robustness.csv"
+    with writing(folder), prepared(folder, (record.name,)), progress("scenes") as report:
+        found = judged(made(scenes, seed, quick=quick), record, report)
+    typer.echo(summary(found))
+    typer.echo(record)
+    if any(each.verdict == "wrong" for each in found):
+        raise typer.Exit(FAILED_POSE)
+
+
+def _models(scene_file: Path, folder: Path, at: list[float] | None, quick: bool) -> None:
+    from gripper.output import prepared, write_files
+    from gripper.study.models import models as compared
+
+    scene, name = scene_of(scene_file), "models.csv"
+    try:
+        with writing(folder), prepared(folder, (name,)):
+            with progress("models") as report:
+                found = compared(scene, at, quick=quick, progress=report)
+            paths = write_files(folder, {name: found.csv().encode()})
+    except ValueError as error:
+        stop(f"{scene_file}: {error}", BAD_INPUT)
+    typer.echo(str(found))
+    for path in paths:
+        typer.echo(path)
+
+
+def _study(scene_file: Path, folder: Path, at: list[float] | None, quick: bool) -> None:
     import io
 
     from gripper.output import prepared, write_files
@@ -74,11 +127,13 @@ def _study(scene_file: Path, folder: Path, at: float | None, quick: bool) -> Non
     from gripper.study.precision import study as measured
     from gripper.study.shooting import NoReferenceError
 
+    if at is not None and len(at) > 1:
+        stop(f"--at must be one pose here; got {len(at)}", BAD_INPUT)
     scene, names = scene_of(scene_file), ("work_precision.csv", "work_precision.png")
     try:
         with writing(folder), prepared(folder, names):
             with progress("points") as report:
-                found = measured(scene, at, quick=quick, progress=report)
+                found = measured(scene, at[0] if at else None, quick=quick, progress=report)
             picture = io.BytesIO()
             diagram(found).savefig(picture, format="png", dpi=110)
             paths = write_files(folder, dict(zip(names, (found.csv().encode(), picture.getvalue()), strict=True)))
