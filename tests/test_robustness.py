@@ -45,7 +45,7 @@ def test_every_map_has_scenes_with_names_of_their_own() -> None:
     keys = [wanted.key for wanted in (*lines(), *random(5))]
     assert len(set(keys)) == len(keys) > 100
     families = {"shear stiffness", "slenderness", "taper", "place", "radius", "indentation", "wrapping", "corner"}
-    assert {wanted.family for wanted in lines()} == families | {"flat", "scale"}
+    assert {wanted.family for wanted in lines()} == families | {"flat", "head-on", "scale"}
 
 
 def test_a_finger_drawn_through_the_object_overlaps() -> None:

@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from gripper.cli.check import check as _check
+from gripper.cli.explain import explain as _explain
 from gripper.cli.plugins import plugins as _plugins
 from gripper.cli.run import run as _run
 from gripper.cli.study import study as _study
@@ -26,6 +27,7 @@ app.command("check")(_check)
 app.command("sweep")(_sweep)
 app.command("verify")(_verify)
 app.command("plugins")(_plugins)
+app.command("explain")(_explain)
 app.command("study")(_study)
 
 

@@ -17,6 +17,7 @@ import numpy as np
 import shapely
 import sympy
 
+from gripper.beam import BeamTheory
 from gripper.fingers import Finger, Material
 from gripper.objects import Object
 from gripper.registry import load
@@ -25,6 +26,7 @@ from gripper.scene import Motion, Scene
 Q = sympy.Symbol("q", real=True)
 _AWAY = 0.02  # of L: how far off the finger an object starts
 _CLEAR = 0.01  # of L: between object and clamp
+_THEORIES: tuple[BeamTheory, ...] = ("bending", "shear")
 _DRAWN = 2000  # corners of the polygon that stands for a smooth object
 plugin = functools.cache(load)
 """A plugin by its group and name, looked up once."""
@@ -103,7 +105,7 @@ def case(
     x: float,
     depth: float,
     *,
-    theory: Literal["bending", "shear"] = "shear",
+    theory: BeamTheory = "shear",
     lean: float = 0.0,
 ) -> Case:
     """A body that comes from below onto a finger.
@@ -139,6 +141,21 @@ def case(
     clamp = shapely.LineString([(0, -thickest), (0, thickest)])
     swept = shapely.union_all([shapely.affinity.translate(outline, *place) for place in (start, stop)]).convex_hull
     return Case(family, name, scene, body, start, stop, built=bool(swept.distance(clamp) > _CLEAR))
+
+
+def facing(name: str, finger: Finger, body: Body, y: float, *, theory: BeamTheory = "shear") -> Case:
+    """A body that comes along the finger's axis, y (by L) beside it, against the end face: a strut, which buckles.
+
+    Statics do not decide to which side: a refusal is as right as a snap that says so.
+    """
+    right = body.outline().bounds[2]
+    start, stop = (1 + right + _AWAY, y), (0.95 + right, y)
+    length = finger.length
+    target, angle = body.plugin(length)
+    path = [(a + Q * (b - a)) * length for a, b in zip(start, stop, strict=True)]
+    placed = target.at(x=path[0], y=path[1], angle=angle)
+    scene = Scene(finger=finger, object=placed, motion=Motion("q", (0.0, 1.0)), theory=theory)
+    return Case("head-on", name, scene, body, start, stop, built=False)
 
 
 def uniform(thickness: float, length: float = 0.1, **material: Any) -> Finger:
@@ -192,11 +209,14 @@ def maps() -> Iterator[Case]:
             yield case("wrapping", f"x/L = {x:g}, d/L = {depth:g}", uniform(0.01), circle(0.03), x, depth)
     for sides in (3, 4, 6):
         for angle in (0.0, 0.2, math.pi / sides):
-            for theory in ("bending", "shear"):
+            for theory in _THEORIES:
                 name = f"{sides} sides at {angle:.3g} rad, {theory}"
                 body = regular(sides, 0.1, angle)
                 family = "flat" if angle == math.pi / sides else "corner"
                 yield case(family, name, plain, body, 0.7, 0.05, theory=theory)
+    for y in (0.0, 1e-3, 0.02, -0.02):
+        for theory in _THEORIES:
+            yield facing(f"y/L = {y:g}, {theory}", plain, circle(0.2), y, theory=theory)
     for power in range(0, 16, 3):
         yield case("scale", f"E = 1e{power} Pa", uniform(0.05, youngs_modulus=10.0**power), pin, 0.7, 0.1)
     for power in range(-9, 4, 3):
@@ -219,7 +239,7 @@ def _random(rng: np.random.Generator, name: str) -> Case:
         body = _random_body(rng, size)
         x = float(rng.uniform(0.15, 1.02))
         depth = float(np.exp(rng.uniform(np.log(1e-4), np.log(0.4)))) * x
-        theory: Literal["bending", "shear"] = "bending" if rng.random() < 0.4 else "shear"
+        theory: BeamTheory = "bending" if rng.random() < 0.4 else "shear"
         found = case("random", name, finger, body, x, depth, theory=theory, lean=float(rng.uniform(-0.5, 0.5)))
         if found.built:
             return found
