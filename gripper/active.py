@@ -218,12 +218,15 @@ def verify(setting: Setting, equilibrium: Equilibrium) -> Verified:
 
 
 def stability(equilibrium: Equilibrium) -> float:
-    """Smallest eigenvalue of the Hessian reduced to the motions that the contacts leave free (V's own: 1)."""
+    """Smallest eigenvalue of the Hessian reduced to the motions that the contacts leave free (V's own: 1).
+
+    With friction, whose stiffness is not symmetric: its :func:`singularity`.
+    """
     lin = equilibrium.linear
     if not len(lin.values):
         return 1.0
     if lin.rubbing is not None:
-        return definiteness(equilibrium)
+        return singularity(equilibrium)
     # places follow the motion: eliminate them where the gap is curved (points); where it is flat the tangent itself
     # is held; a patch is held by its pressures
     hessian, held = np.eye(lin.gradients.shape[1]) - lin.hessian, [lin.gradients]
@@ -242,8 +245,11 @@ def stability(equilibrium: Equilibrium) -> float:
     return float(np.linalg.eigvalsh((reduced + reduced.T) / 2)[0])
 
 
-def definiteness(equilibrium: Equilibrium) -> float:
-    """With friction: 1 where the tangent stiffness of the free motions has a positive determinant, as without, else -1.
+def singularity(equilibrium: Equilibrium) -> float:
+    """With friction: how far the tangent stiffness of the free motions is from singular (V's own: 1).
+
+    It is the smallest singular value, less than 0 where the determinant has changed its sign since mu = 0. As mu
+    vanishes it becomes the smallest eigenvalue of the reduced Hessian.
 
     The free motions keep the contacts; what the contact forces may do in reply spans other directions than the
     constraints' gradients, so that the stiffness is taken between the complements of both.
@@ -269,8 +275,9 @@ def definiteness(equilibrium: Equilibrium) -> float:
         at += site.unknowns
     free = np.linalg.qr(np.array(rows).T, mode="complete")[0][:, len(rows) :]
     left = np.linalg.qr(np.array(columns).T, mode="complete")[0][:, len(rows) :]
-    stiffness, measure = np.linalg.slogdet(left.T @ hessian @ free)[0], np.linalg.slogdet(left.T @ free)[0]
-    return float(stiffness * measure)
+    stiffness = left.T @ hessian @ free
+    sign = np.linalg.slogdet(stiffness)[0] * np.linalg.slogdet(left.T @ free)[0]
+    return float(sign * np.min(np.linalg.svd(stiffness, compute_uv=False), initial=1.0))
 
 
 def held(setting: Setting, obstacle: Obstacle, start: State, guess: State) -> State:

@@ -74,6 +74,7 @@ def _checked(setting: Setting, verified: Verified, seen: _Profile) -> Checks:
         force_balance=force,
         moment_balance=moment,
         stability=verified.stability if lin.rubbing is None else None,
+        singularity=None if lin.rubbing is None else verified.stability,
         penetration_bound=survey.penetration_bound * setting.sections.length,
         certificate="proved" if survey.proved else "sampled",
     )

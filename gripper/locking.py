@@ -13,17 +13,18 @@ from dataclasses import replace
 import numpy as np
 import scipy.linalg
 
-from gripper.active import definiteness
+from gripper.active import objection, singularity
 from gripper.arrays import Array
-from gripper.contact import linearise
-from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, settle
-from gripper.grip import Grip, dressed, leader, tipward
-from gripper.holds import coefficient, grip_of, leaders, slip_rates
+from gripper.contact import Site, linearise
+from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, settle
+from gripper.grip import Grip, dressed, leader
+from gripper.holds import coefficient, grip_of, leaders, leads, slip_rates
 
 _REAL = 1e-6
 _FINITE = 1e4
-_RAMP = 16
 _LIMITED = 1e-4
+_ALMOST = 1.05
+_TELLING = 1e-3  # a ratio from which the part of friction is told
 
 
 class LockedError(Exception):
@@ -52,12 +53,21 @@ def free_slip(setting: Setting, equilibrium: Equilibrium, i: int) -> float:
 def limiting_ratio(setting: Setting, equilibrium: Equilibrium, i: int, sign: float) -> float:
     """The least ratio of this sign at which a slipping contact is not moved by any force; infinite where none is."""
     without = _opened(setting, equilibrium, i, 0.0).matrix()
-    friction = _opened(setting, equilibrium, i, 1.0).matrix() - without
+    matrix, ratio = _with_ratio(setting, equilibrium, i)
+    friction = (matrix - without) / ratio  # the matrix is linear in the ratio
     above, below = scipy.linalg.eigvals(without, -friction, homogeneous_eigvals=True)
     finite = np.abs(below) * _FINITE > np.abs(above)
     ratios: Array = above[finite] / below[finite]
     real = ratios.real[np.abs(ratios.imag) < _REAL * np.abs(ratios)]
     return float(np.min(np.abs(real[real * sign > 0]), initial=math.inf))
+
+
+def _with_ratio(setting: Setting, equilibrium: Equilibrium, i: int) -> tuple[Array, float]:
+    """The matrix at a ratio, and that: of a contact that slips its own."""
+    rubbing, grip = equilibrium.linear.rubbing, equilibrium.state.sites[i].grip
+    if rubbing is not None and grip is not None and grip.hold == "slip" and abs(rubbing.ratios[i]) > _TELLING:
+        return equilibrium.matrix(), rubbing.ratios[i]
+    return _opened(setting, equilibrium, i, 1.0).matrix(), 1.0
 
 
 def nearness(setting: Setting, equilibrium: Equilibrium, heading: float) -> float:
@@ -82,33 +92,52 @@ def _opened(setting: Setting, equilibrium: Equilibrium, i: int, ratio: float) ->
     return replace(equilibrium, state=state, linear=lin)
 
 
-def check_locked(setting: Setting, equilibrium: Equilibrium, order: int) -> None:
-    """Whether friction of a given sense locks a frictionless equilibrium: whether it ends as friction grows.
+def grown(setting: Setting, smooth: Equilibrium, order: int) -> State | None:
+    """A frictionless equilibrium with friction of a given sense, which is made to grow from 0.
+
+    Returns
+    -------
+    The state whose contacts slip as given, nearly in equilibrium; None where its end is not friction's alone.
 
     Raises
     ------
     LockedError
-        Where it does.
+        Where friction locks the finger: where the slipping contacts are singular at less than their coefficient.
     """
-    law, sites = setting.friction, equilibrium.state.sites
+    law, sites = setting.friction, smooth.state.sites
     if law is None or not sites:
-        return
-    held = [(site, tipward(site, law.outline) * law.tipward) for site in dressed(law, (), sites)]
+        return smooth.state
+    held = dressed(law, (), sites)
     mu = max(law.at(site.piece, site.middle)[0] for site in sites)
-    state, reached, step = equilibrium.state, 0.0, mu / _RAMP
-    while step > _LIMITED * mu:
+    last, reached, step = smooth, 0.0, mu
+    while reached < mu and step > _LIMITED * mu:
         ratio = min(reached + step, mu)
-        ruled = [replace(s, grip=Grip(law, ratio=-sense * ratio)) for s, sense in held]
-        moved = [replace(new, place=old.place) for new, old in zip(ruled, state.sites, strict=True)]
-        try:
-            found = settle(setting, equilibrium.obstacle, replace(state, sites=tuple(moved)), order)
-        except NoEquilibriumError:
+        found = _at_ratio(setting, last, held, ratio, order)
+        if found is None:
             step /= 2
-            continue
-        if np.any(found.state.multipliers < 0) or definiteness(found) < 0:
-            step /= 2
-            continue
-        state, reached = found.state, ratio
-        if reached == mu:
-            return
-    raise LockedError(reached, mu)
+        else:
+            last, reached = found, ratio
+    if reached == mu:
+        places = zip(held, last.state.sites, strict=True)
+        return replace(last.state, sites=tuple(replace(site, place=at.place) for site, at in places))
+    signs = [float(np.sign(site.grip.ratio)) if site.grip else 0.0 for site in last.state.sites]
+    limits = [limiting_ratio(setting, last, i, sign) for i, sign in enumerate(signs) if leads(last.state.sites, i)]
+    if reached and min(limits) < _ALMOST * reached:
+        raise LockedError(reached, mu)
+    return None
+
+
+def _at_ratio(
+    setting: Setting, near: Equilibrium, held: tuple[Site, ...], ratio: float, order: int
+) -> Equilibrium | None:
+    """The equilibrium with one ratio at all contacts, against the senses that are given; None where there is none."""
+    ruled = []
+    for site, at in zip(held, near.state.sites, strict=True):
+        sense = site.grip.sense if site.grip else 0
+        law = setting.friction
+        ruled.append(replace(site, place=at.place, grip=Grip(law, ratio=-sense * ratio) if law else None))
+    try:
+        found = settle(setting, near.obstacle, replace(near.state, sites=tuple(ruled)), order)
+    except NoEquilibriumError:
+        return None
+    return None if objection(setting, found) or singularity(found) < 0 else found

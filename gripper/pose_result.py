@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from gripper.kept import Kept
 
 Vector = tuple[float, float]
+_OF_FRICTION = ("singularity", "other_solutions")
 Status = Literal["free", "contact", "locked", "failed"]
 
 
@@ -84,6 +85,12 @@ class Checks(Record):
         Relative to the total contact force times L.
     stability
         Smallest eigenvalue of the reduced Hessian, relative to the strain energy's own; None with friction.
+    singularity
+        With friction: smallest singular value of the reduced tangent stiffness, which is not symmetric, relative to the
+        strain energy's own; 0 at a limit point. Else None.
+    other_solutions
+        With friction along a motion: other answers that Coulomb's law leaves at this pose, "free" or contacts that
+        might stick; none where this is the only one that was found. Else None.
     penetration_bound
         Upper bound of the depth over the whole outline, in m, at least 0.
     certificate
@@ -94,6 +101,8 @@ class Checks(Record):
     force_balance: float | None = None
     moment_balance: float | None = None
     stability: float | None = None
+    singularity: float | None = None
+    other_solutions: tuple[str, ...] | None = None
     penetration_bound: float | None = None
     certificate: Literal["proved", "sampled"] | None = None
 
@@ -245,7 +254,13 @@ class PoseResult(Record):
         """Plain data, ready for JSON: without the shape, which is for drawing, and without work where none is kept."""
         names = [field.name for field in dataclasses.fields(self) if field.name not in ("shape", "kept")]
         written = (n for n in names if n not in ("work", "dissipation") or getattr(self, n) is not None)
-        return {name: jsonable(getattr(self, name)) for name in written}
+        return {name: jsonable(getattr(self, name)) for name in written} | {"checks": _written(self.checks)}
+
+
+def _written(checks: Checks) -> dict[str, Any]:
+    """Checks, without those of friction where there is none."""
+    whole: dict[str, Any] = jsonable(checks)
+    return {name: value for name, value in whole.items() if name not in _OF_FRICTION or value is not None}
 
 
 def jsonable(value: Any) -> Any:

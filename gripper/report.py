@@ -98,7 +98,8 @@ def _contact(contact: Contact) -> str:
 
 
 def _checks(checks: Checks) -> str:
-    names = ("stationarity", "force_balance", "moment_balance", "stability")
+    firmness = "stability" if checks.singularity is None else "singularity"
+    names = ("stationarity", "force_balance", "moment_balance", firmness)
     values = [f"{name.replace('_', ' ')} {_number(getattr(checks, name)) or 'none'}" for name in names]
     return f"{', '.join(values)}, penetration at most {_number(checks.penetration_bound)} m ({checks.certificate})"
 
@@ -138,6 +139,16 @@ def _failures(result: Result) -> list[str]:
     return [f"WARNING: {len(failed)} of {len(result.poses)} poses failed", *lines]
 
 
+def _others(result: Result) -> list[str]:
+    """Say where friction leaves more than one answer."""
+    found = [(i, pose.checks.other_solutions) for i, pose in enumerate(result.poses) if pose.checks.other_solutions]
+    if not found:
+        return []
+    which = sorted({name for _, names in found for name in names})
+    places = f"pose {found[0][0]}" if len(found) == 1 else f"{len(found)} poses, {found[0][0]} to {found[-1][0]}"
+    return [f"Coulomb's law has more than one solution at {places}: the finger might also be {' or '.join(which)}"]
+
+
 def _model(result: Result) -> list[str]:
     model = result.model
     changes = [pose.error.next_theory for pose in result.poses if pose.error.next_theory is not None]
@@ -157,7 +168,7 @@ def as_text(result: Result) -> str:
     blocks = [
         _wrapped([result.title] if result.title else []) + _wrapped(_model(result)),
         _table(result),
-        _wrapped(_events(result)),
+        _wrapped([*_events(result), *_others(result)]),
         _wrapped(_details(result.poses[0])) if len(result.poses) == 1 else [],
         _wrapped(_failures(result)),
     ]
@@ -170,6 +181,6 @@ def as_html(result: Result) -> str:
     rows = ("".join(f"<td>{html.escape(cell)}</td>" for cell in row) for row in _rows(result))
     body = "".join(f"<tr>{row}</tr>" for row in rows)
     details = _details(result.poses[0]) if len(result.poses) == 1 else []
-    notes = [*_model(result), *_events(result), *details, *_failures(result)]
+    notes = [*_model(result), *_events(result), *_others(result), *details, *_failures(result)]
     text = "".join(f"<div>{html.escape(note)}</div>" for note in notes)
     return f"<div><b>{html.escape(result.title)}</b><table><tr>{header}</tr>{body}</table>{text}</div>"

@@ -29,6 +29,7 @@ class Rubbing:
     ratios: tuple[float, ...]  # rho of each contact
     power: Array  # power of the friction on the finger by z's rate, (n,)
     drag: float  # the same by the parameter, z held: both make the (negative) dissipation
+    pushes: Array  # loads on z of a ratio of 1 at each contact, (sites, n)
 
 
 def dissipation(rubbing: Rubbing, rates: Array) -> float:
@@ -50,13 +51,15 @@ def rub(system: System, outline: Outline, u: Array) -> None:
         rubbed.finish()
         if first == i and site.grip is not None and site.grip.unknown:
             rubbed.hold_fast()
+    pushes = np.array([r.force @ r.pushed for r in each])
     system.rubbing = Rubbing(
         np.array([r.slip for r in each]),
         np.array([r.slip_rate for r in each]),
         tuple(r.anchor for r in each),
         tuple(r.ratio for r in each),
-        np.sum([r.ratio * (r.force @ r.pushed) for r in each], axis=0),
+        np.array([r.ratio for r in each]) @ pushes,
         -sum(r.ratio * float(r.force @ r.passing) for r in each),
+        pushes,
     )
 
 

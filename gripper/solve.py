@@ -16,7 +16,7 @@ from gripper.equilibrium import NoEquilibriumError, Setting, State, settle
 from gripper.frictional import tracker_for
 from gripper.kinematics import Kinematics, Placement, Retreat
 from gripper.ladder import rungs, suffices, theory_difference
-from gripper.locking import LockedError, check_locked
+from gripper.locking import LockedError, grown
 from gripper.obstacle import Frame
 from gripper.result import Model, PoseResult, Result
 from gripper.scene import Scene
@@ -101,15 +101,21 @@ def approach(fixed: Setting, final: Frame, direction: tuple[float, float], order
 
 
 def _approached(scene: Scene, fixed: Setting, frame: Frame) -> Answer:
-    """The answer at a pose; where friction of the given sense leaves none, perhaps because it locks the finger."""
+    """The answer at a pose; friction of a given sense grows there, from none, because it may lock on the way."""
+    order, direction = first_order(scene.tolerance), scene.approach
+    if fixed.friction is None:
+        return approach(fixed, frame, direction, order)[0]
     try:
-        return approach(fixed, frame, scene.approach, first_order(scene.tolerance))[0]
+        smooth, reached = approach(replace(fixed, friction=None), frame, direction, order)
+        equilibrium = smooth.verified.equilibrium
+        state = grown(fixed, equilibrium, reached)
+        if state is not None:
+            start = replace(smooth.verified, equilibrium=replace(equilibrium, state=state))
+            path = Retreat(frame, complex(*direction) / abs(complex(*direction)))
+            return tracker_for(fixed).resume(fixed, path, 0.0, reached, start).advance(0.0)
     except NoEquilibriumError:
-        if fixed.friction is None:
-            raise
-        smooth, order = approach(replace(fixed, friction=None), frame, scene.approach, first_order(scene.tolerance))
-        check_locked(fixed, smooth.verified.equilibrium, order)
-        raise
+        return approach(fixed, frame, direction, order)[0]  # contacts change as friction grows: it grows on the way
+    return approach(fixed, frame, direction, order)[0]
 
 
 def solve(scene: Scene) -> Result:

@@ -17,8 +17,9 @@ from gripper.ladder import rungs, suffices
 from gripper.located import Course, measures, ways
 from gripper.locking import LockedError
 from gripper.loop import Loop
+from gripper.others import is_clear, other_solutions
 from gripper.peaks import Top
-from gripper.result import Event, PoseResult, Result
+from gripper.result import Checks, Event, PoseResult, Result
 from gripper.scene import Scene
 from gripper.solve import approach, model, numbers
 from gripper.tracker import Tracker
@@ -138,20 +139,29 @@ class _Follower:
             pose = numbers(self.scene, self.fixed, answer, value, self.kinematics.placement(value))
         except LockedError as error:
             self.locked = Extreme(value=error.mu / error.limit, parameter=value)
-            pose = PoseResult(parameter=value, status="locked", reason=str(error))
+            others = Checks(other_solutions=self._if_free(value))
+            pose = PoseResult(parameter=value, status="locked", reason=str(error), checks=others)
         except NoEquilibriumError as error:
             iterations = self.tracker.iterations if self.tracker else 0
             pose = PoseResult.failed(value, str(error), iterations)
-        pose = self._with_energies(pose)
+        pose = self._with_friction(pose)
         return replace(pose, seconds=time.process_time() - began)
 
-    def _with_energies(self, pose: PoseResult) -> PoseResult:
-        """Work and dissipation since the motion began, where there is friction."""
+    def _with_friction(self, pose: PoseResult) -> PoseResult:
+        """Work and dissipation since the motion began, and other solutions, where there is friction."""
         tracker = self.tracker
         if pose.status not in ("contact", "free") or not isinstance(tracker, FrictionTracker):
             return pose
         unit = self.fixed.sections.energy_scale
-        return replace(pose, work=tracker.balance.work * unit, dissipation=tracker.balance.loss * unit)
+        others = other_solutions(self.fixed, tracker.current.equilibrium, tracker.heading)
+        checks = replace(pose.checks, other_solutions=others)
+        balance = tracker.balance
+        return replace(pose, work=balance.work * unit, dissipation=balance.loss * unit, checks=checks)
+
+    def _if_free(self, value: float) -> tuple[str, ...]:
+        """Where friction holds the finger: whether it might be free as well."""
+        clear = is_clear(self.fixed, self.fixed.obstacle(self.kinematics.frame(value)), self.order)
+        return ("free",) if clear else ()
 
     def loop(self) -> Loop | None:
         """The loop so far; None without friction or contact."""

@@ -14,7 +14,7 @@ import numpy as np
 from gripper.answer import drive
 from gripper.arrays import Array
 from gripper.contact import linearise
-from gripper.equilibrium import Equilibrium, Setting
+from gripper.equilibrium import Equilibrium, Setting, predicted
 from gripper.events import Along, Path
 from gripper.holds import coefficient, leaders, tangent
 from gripper.rubbing import dissipation
@@ -22,7 +22,6 @@ from gripper.rubbing import dissipation
 STILL = 1e-12
 """Of L: object and clamp do not move against each other."""
 _SMALL = 1e-5  # of L: the step along the tangent
-_SHORT = 0.03  # of L
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,14 +104,11 @@ def nudged(setting: Setting, path: Path, at: Along, heading: float) -> tuple[Equ
         At a limit point.
     """
     equilibrium = at.equilibrium
-    rates = tangent(equilibrium)
     fast = speed(equilibrium)
     if fast < STILL:
         return equilibrium, 0.0
     small = heading * _SMALL / fast
-    state = equilibrium.state.moved(*(small * rate for rate in rates))
-    if float(np.min(state.beam.lengths)) < _SHORT:  # narrow segments must end where contacts do
-        state = state.on(setting.beam(state.sites, state.beam.order))
+    state = predicted(setting, equilibrium, small)
     obstacle = setting.obstacle(path.frame(at.parameter + small))
     lin = linearise(state.beam, state.z, setting.outline, obstacle, state.sites, state.multipliers)
     return Equilibrium(state, obstacle, lin, 0), small
