@@ -14,6 +14,7 @@ from gripper.cli.plugins import plugins as _plugins
 from gripper.cli.run import run as _run
 from gripper.cli.study import study as _study
 from gripper.cli.sweep import sweep as _sweep
+from gripper.cli.tolerance import tolerance as _tolerance
 from gripper.cli.verify import verify as _verify
 
 app = typer.Typer(
@@ -25,6 +26,7 @@ app = typer.Typer(
 app.command("run")(_run)
 app.command("check")(_check)
 app.command("sweep")(_sweep)
+app.command("tolerance")(_tolerance)
 app.command("verify")(_verify)
 app.command("plugins")(_plugins)
 app.command("explain")(_explain)
