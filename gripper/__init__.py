@@ -11,6 +11,7 @@ and Assembly Applications". SI units and radians throughout.
 """
 
 from gripper.assemble import Problem, assemble
+from gripper.bands import Band, linear_bands, sampled_bands
 from gripper.fields import Expression, Finite, Point, Positive, Profile, Surface
 from gripper.fingers import Finger, Jaw, Material
 from gripper.friction import Coefficients, Friction
@@ -28,6 +29,7 @@ from gripper.tolerances import Tolerances
 from gripper.trace import trace
 
 __all__ = [
+    "Band",
     "Coefficients",
     "Contact",
     "Event",
@@ -59,7 +61,9 @@ __all__ = [
     "Verdict",
     "assemble",
     "judged",
+    "linear_bands",
     "material",
+    "sampled_bands",
     "solve",
     "sweep",
     "trace",
