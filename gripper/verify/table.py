@@ -33,8 +33,9 @@ def _head(report: Verification) -> list[str]:
     jaw = f", {model.jaw} jaw" if placed(report.scene.finger).body.jaw is not None else ""
     head = [report.scene.title] if report.scene.title else []
     head += [
-        f"finite elements: {along} x {across} quadratic, {model.law}, plane {material.plane}{jaw}, "
-        f"{_friction(report)}; second mesh {report.second[0]} x {report.second[1]}",
+        f"finite elements: {along} x {across} quadratic, {model.law}, plane {material.plane}{jaw}; "
+        f"second mesh {report.second[0]} x {report.second[1]}",
+        _friction(report),
         "forces of the finger on the object, and tips, in the finger's frame: the elements', and gripper's beside them",
     ]
     isotropic = material.youngs_modulus / (2 * (1 + material.poisson_ratio))
@@ -48,8 +49,8 @@ def _friction(report: Verification) -> str:
     if friction is None or friction.absent:
         return "no friction"
     mu = friction.coefficient
-    parts = f"{mu.finger} on the finger and {mu.jaw} on the jaw" if isinstance(mu, Coefficients) else f"{mu}"
-    return f"friction {parts}" + (" (gripper: as published)" if friction.model == "published" else "")
+    parts = f"{mu.finger} on the finger, {mu.jaw} on the jaw" if isinstance(mu, Coefficients) else f"{mu}"
+    return f"friction {parts}" + (" (gripper's as published)" if friction.model == "published" else "")
 
 
 def _foot(report: Verification) -> list[str]:
