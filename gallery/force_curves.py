@@ -67,13 +67,13 @@ def sticks(result: gr.Result) -> list[tuple[float, float]]:
     return [(a.parameter, b.parameter) for a, b in pairwise(changes) if (a.kind, b.kind) == ("stick", "slip")]
 
 
-def assembly(mu: float = 0.0, poses: int = 73, found: int = 19, mesh: tuple[int, int] = (54, 6)) -> Curves:
+def assembly(mu: float = 0.0, poses: int = 73, found: int = 19, mesh: tuple[int, int] = (108, 4)) -> Curves:
     """Figure 3, and with friction figure 4: Example I."""
     scene = replace(ASSEMBLY, friction=gr.Friction(coefficient=mu), motion=gr.Motion.between("x_o", 0.08, 0.05, poses))
     return curves({"bending": scene}, gr.Motion.between("x_o", 0.08, 0.05, found).values, mesh)
 
 
-def rotating(mu: float = 0.0, poses: int = 71, found: int = 15, mesh: tuple[int, int] = (54, 6)) -> Curves:
+def rotating(mu: float = 0.0, poses: int = 71, found: int = 15, mesh: tuple[int, int] = (108, 4)) -> Curves:
     """Figure 8, and with friction figure 9: Example II."""
     motion, friction = gr.Motion.between("x_e", -0.1016, 0.0762, poses), gr.Friction(coefficient=mu)
     scene = replace(ROTATING, friction=friction, motion=motion)

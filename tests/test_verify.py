@@ -599,7 +599,7 @@ def test_a_pose_without_an_answer_ends_with_status_1_and_says_why(tmp_path):
     [
         (("--poses", "1"), "scene.toml: poses must be values that the motion passes, 0.086 to 0.05; got 1.0"),
         (("--poses", "0.07, x"), "poses must be numbers with commas between, or all: expression must hold known names"),
-        (("--elements", "9"), "elements must be two whole numbers, as 54x6; got '9'"),
+        (("--elements", "9"), "elements must be two whole numbers, as 108x4; got '9'"),
         (("--elements", "1x1", "--poses", "0.07"), "elements must be two whole numbers, at least 2; got (1, 1)"),
     ],
 )
