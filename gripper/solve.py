@@ -39,7 +39,7 @@ def model(scene: Scene, fixed: Setting, poses: Sequence[PoseResult]) -> Model:
     """What is solved for this scene, what is not, and where these poses leave what the theory holds."""
     own = (NOTE,) if is_published(scene) else ()
     notes = (plane_difference(fixed.sections.finger.material), *NOT_MODELLED, *own)
-    beyond = warnings(fixed.sections, poses)
+    beyond = warnings(fixed.sections, poses, scene.tolerance)
     return Model(theory=fixed.theory, left_out=left_out(scene, fixed.theory), not_modelled=notes, warnings=beyond)
 
 

@@ -28,9 +28,13 @@ def plane_difference(material: Material) -> str:
     return f"plane stress (forces up to {100 * (1 - 1 / factor):.2g} % smaller)"
 
 
-def warnings(sections: Sections, poses: Sequence[PoseResult]) -> tuple[str, ...]:
-    """Say where a result lies outside what its theory holds; empty where it does not."""
+def warnings(sections: Sections, poses: Sequence[PoseResult], tolerance: float) -> tuple[str, ...]:
+    """Say where a result lies outside what its theory holds, or misses its tolerance; empty where it does not."""
     found = []
+    missed = [pose for pose in poses if (pose.error.discretisation or 0.0) > tolerance]
+    if missed:
+        worst_error = max(pose.error.discretisation or 0.0 for pose in missed)
+        found.append(f"the tolerance of {tolerance:.0e} is not met at {len(missed)} poses: {worst_error:.1e} at worst")
     stout = float(np.max(sections.thickness(_ALONG)))
     if stout > STOUT:
         found.append(f"w / L is {stout:.2g}, beyond {STOUT}: sections do not stay plane in so stout a finger")

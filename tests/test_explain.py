@@ -11,7 +11,6 @@ import pytest
 from typer.testing import CliRunner
 
 import gripper as gr
-from gripper import scenefile
 from gripper.cli import app
 from gripper.explain import Decision, Explanation, explain
 from tests.scenes import micro_assembly, rotating_finger
@@ -78,9 +77,12 @@ def test_a_scene_without_contact_says_that_nothing_touches() -> None:
 
 
 def test_the_command_prints_it_and_a_bad_scene_ends_with_status_2(tmp_path: Path) -> None:
-    done = CliRunner().invoke(app, ["explain", str(GALLERY / "micro_assembly.toml")])
+    short = tmp_path / "short.toml"
+    short.write_text((GALLERY / "micro_assembly.toml").read_text().replace("poses = 37", "poses = 2"))
+    done = CliRunner().invoke(app, ["explain", str(short)])
     assert done.exit_code == 0, done.output
-    assert done.output.strip() == str(explain(scenefile.read(GALLERY / "micro_assembly.toml")))
+    for part in ("Micro-assembly finger", "SLSQP sees", "needed", "left out", "not needed for it: shapely"):
+        assert part in done.output
     bad = tmp_path / "bad.toml"
     bad.write_text("title = 1")
     done = CliRunner().invoke(app, ["explain", str(bad)])

@@ -11,6 +11,7 @@ import pytest
 
 import gripper as gr
 from gripper.ladder import RUNGS
+from gripper.result import ErrorEstimate
 from gripper.sections import sections
 from gripper.validity import crosses, plane_difference, warnings
 from gripper_plugins.objects import Circle
@@ -95,9 +96,17 @@ def test_a_finger_bent_double_and_a_stout_one_say_so() -> None:
 
 def test_folding_is_told_from_a_large_strain() -> None:
     pose = gr.solve(gr.Scene(finger=unit_finger(), object=pin(0.7, 0.05, 0.06), theory="bending")).poses[0]
-    folded = warnings(sections(unit_finger()), [replace(pose, max_strain=0.9)])
+    folded = warnings(sections(unit_finger()), [replace(pose, max_strain=0.9)], 1e-4)
     assert ["kappa w / 2 reaches 0.9" in text for text in folded] == [True]
-    assert warnings(sections(unit_finger()), [replace(pose, max_strain=0.05)]) == ()
+    assert warnings(sections(unit_finger()), [replace(pose, max_strain=0.05)], 1e-4) == ()
+
+
+def test_a_tolerance_that_is_not_met_is_told() -> None:
+    pose = gr.solve(gr.Scene(finger=unit_finger(), object=pin(0.7, 0.05, 0.06), theory="bending")).poses[0]
+    assert warnings(sections(unit_finger()), [pose], 1e-4) == ()
+    off = replace(pose, error=ErrorEstimate(discretisation=3e-4))
+    (told,) = warnings(sections(unit_finger()), [off, pose], 1e-4)
+    assert told == "the tolerance of 1e-04 is not met at 1 poses: 3.0e-04 at worst"
 
 
 @pytest.mark.parametrize("turn", [0.5, 3.0, 5.5, 6.9, 9.0])

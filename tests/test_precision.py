@@ -71,6 +71,22 @@ def test_a_finger_flush_on_a_flat_has_no_reference_and_says_so() -> None:
         Shooting(fixed, obstacle, (Site("tail", 0, (0.5, 1.0), modes=8),))
 
 
+@pytest.mark.parametrize(("path", "theory", "parameter"), [(*case[:2], float(case[3])) for case in CASES[:3]])
+def test_the_error_estimate_is_the_error(path: Path, theory: str, parameter: float) -> None:
+    """Between half and three times the distance from shooting, wherever that is above 1e-7."""
+    scene = single_pose(replace(scenefile.read(path), theory=theory), parameter)
+    exact, judged = reference(scene)[0].force, 0
+    for tolerance in (1e-2, 1e-3, 1e-4):
+        pose = gr.solve(replace(scene, tolerance=tolerance)).poses[0]
+        force = complex(*pose.force_on_object_finger_frame) / setting(scene).sections.force_scale
+        error = abs(force + exact) / abs(exact)
+        assert error <= tolerance
+        if error > 1e-7:
+            judged += 1
+            assert 0.5 < pose.error.discretisation / error < 3
+    assert judged > 0
+
+
 @cache
 def quick() -> WorkPrecision:
     return study(scenefile.read(ASSEMBLY), 0.06781, quick=True)

@@ -48,7 +48,7 @@ def _series(ax: Any, works: list[Work], quantity: str, colour: str, mark: str) -
                 ax.plot([place, max(work.worst[quantity], _LEAST)], [t, t], color=colour, lw=1.2, alpha=0.5)
                 text = work.point.split(" = ")[1]
                 ax.annotate(text, (place, t), xytext=(3, 4), textcoords="offset points", fontsize=7, color=colour)
-    for work in (w for w in works if w.failures):
+    for work in (w for w in works if w.failures or w.warm_failure):
         height = 1e3 * (work.cold or work.warm or 1e-3)
         ax.plot([_MOST], [height], "x", color=colour, ms=8, mew=2, clip_on=False)
 
@@ -66,7 +66,7 @@ def _legend(ax: Any, names: list[str], study: WorkPrecision) -> None:
     for i, name in enumerate(names):
         ax.plot([], [], _MARKS[i % len(_MARKS)], ls="-", color=_COLOURS[i % len(_COLOURS)], label=name)
     ax.plot([], [], "ko", markerfacecolor="white", ls=":", label="hollow: warm, from the neighbouring pose's answer")
-    ax.plot([], [], "kx", ls="", mew=2, label="at the right edge: failed at a place of the object")
+    ax.plot([], [], "kx", ls="", mew=2, label="at the right edge: failed, warm or at a place of the object")
     ax.fill_between([], [], color="0.7", alpha=0.5, label="the reference's own uncertainty")
     ax.legend(loc="upper left", frameon=False, fontsize=9)
     notes = (

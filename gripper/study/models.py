@@ -22,6 +22,7 @@ from gripper.verify import verify
 Vector = tuple[float, float]
 Progress = Callable[[int, int], None]
 ELEMENTS, COARSE = (72, 8), (24, 4)
+ELEMENTS_NAME = "finite elements"
 
 
 @dataclass(frozen=True)
@@ -82,12 +83,13 @@ class Ladder:
             if rung.force is None:
                 lines.append(f"| {place} | {rung.model} | | | {rung.why} | |")
                 continue
-            away = "" if rung.difference is None else f"{100 * rung.difference:.2g} %"
-            force = " | ".join(f"{value:.4g}" for value in rung.force)
+            away = "" if rung.difference is None or rung.model == ELEMENTS_NAME else _percent(rung.difference)
+            force = " | ".join(f"{value + 0.0:.4g}" for value in rung.force)
             lines.append(f"| {place} | {rung.model} | {force} | {away} | {1e3 * (rung.seconds or 0):.3g} |")
         along, across = self.elements
         mesh = "" if self.mesh_error is None else f", their mesh error below {100 * self.mesh_error:.2g} %"
         note = f"force of the finger on the object, clamp's axes; elements: {along} x {across} quadratic{mesh}"
+        note += "\ntime: of the pose, the first one with its approach"
         return "\n".join([*lines, "", note])
 
 
@@ -190,9 +192,13 @@ def _elements(scene: Scene, places: list[float | None], elements: tuple[int, int
     out = []
     for place, pose in zip(places, report.poses, strict=True):
         found = pose.elements
-        out.append(Rung("finite elements", place, found.force, None, found.seconds, found.reason or ""))
+        out.append(Rung(ELEMENTS_NAME, place, found.force, None, found.seconds, found.reason or ""))
     errors = [pose.mesh_error for pose in report.poses if pose.mesh_error is not None]
     return out, max(errors, default=None)
+
+
+def _percent(value: float) -> str:
+    return f"{100 * value:.2g} %" if value < 0.1 else f"{100 * value:.0f} %"
 
 
 def _apart(force: Vector | None, true: Vector | None) -> float | None:

@@ -19,7 +19,7 @@ from gripper.kinematics import Kinematics
 from gripper.scene import Scene
 from gripper.solve import approach
 from gripper.study.cost import repeated, single_pose
-from gripper.study.methods import Method, Prepared, methods, shifted
+from gripper.study.methods import Method, methods, shifted
 from gripper.study.outcome import QUANTITIES, NoOutcomeError, errors, uncertainty
 from gripper.study.shooting import NoReferenceError, Shot, shooting
 from gripper.trace import trace
@@ -48,6 +48,8 @@ class Work:
         Errors by quantity over the shifts that were answered.
     failures
         Reasons, one a shift that was not answered.
+    warm_failure
+        Why the neighbour's answer leads nowhere; empty where it does.
     """
 
     method: str
@@ -61,6 +63,7 @@ class Work:
     median: dict[str, float]
     worst: dict[str, float]
     failures: tuple[str, ...]
+    warm_failure: str = ""
 
 
 @dataclass(frozen=True)
@@ -103,7 +106,8 @@ class WorkPrecision:
             for name in QUANTITIES:
                 cells += [f"{d[name]:.3e}" if name in d else "" for d in (work.median, work.worst)]
             counts = [work.unknowns, work.iterations, work.evaluations]
-            reasons = "; ".join(dict.fromkeys(work.failures))
+            warm = [f"warm: {work.warm_failure}"] if work.warm_failure else []
+            reasons = "; ".join(dict.fromkeys([*work.failures, *warm]))
             writer.writerow([work.method, work.point, *counts, *cells, len(work.failures), reasons])
         return text.getvalue()
 
@@ -120,6 +124,7 @@ class WorkPrecision:
             else:
                 cells = [_spread(work.median[n], work.worst[n]) for n in ("force", "energy", "place", "depth")]
             failed = f" ({len(work.failures)} of {self.shifts} failed)" if work.failures and work.median else ""
+            times[2] = "failed" if work.warm_failure else times[2]
             counts = [str(work.unknowns), str(work.iterations)]
             lines.append("| " + " | ".join([work.method + failed, work.point, *counts, *times, *cells]) + " |")
         return "\n".join(lines)
@@ -261,7 +266,8 @@ def _measure(method: Method, point: float, places: list[Scene], shots: list[Shot
             continue
         outcomes.append(outcome)
         found.append(errors(outcome, shot))
-    cold, warm = (_timed(ready, way, repeats) for way in ("cold", "warm"))
+    cold, _ = _timed(ready.cold, repeats)
+    warm, warm_failure = _timed(ready.warm, repeats)
     return Work(
         method=method.name,
         point=label,
@@ -274,17 +280,18 @@ def _measure(method: Method, point: float, places: list[Scene], shots: list[Shot
         median={name: statistics.median(e[name] for e in found) for name in QUANTITIES if found},
         worst={name: max(e[name] for e in found) for name in QUANTITIES if found},
         failures=tuple(failures),
+        warm_failure=warm_failure,
     )
 
 
-def _timed(ready: Prepared, way: str, repeats: int) -> float | None:
-    call = getattr(ready, way)
+def _timed(call: Callable[[], object] | None, repeats: int) -> tuple[float | None, str]:
+    """Median CPU time of a call, and why there is none."""
     if call is None:
-        return None
+        return None, ""
     try:
-        return repeated(call, repeats).median
-    except (NoOutcomeError, NoEquilibriumError):  # said where the errors are measured
-        return None
+        return repeated(call, repeats).median, ""
+    except (NoOutcomeError, NoEquilibriumError) as error:
+        return None, str(error)
 
 
 _START_UP = """
