@@ -514,6 +514,7 @@ def test_poses_may_be_chosen_along_a_motion_that_turns():
 
 def test_poses_of_a_motion_that_goes_one_way_may_be_given_in_any_order():
     falling = gr.Motion("q", (2.0, 1.0, 0.0))
+    assert passing(falling, (2.0,)) == ([2.0, 1.0], [True, False])  # the way on says how the first pose slides
     assert passing(falling, (0.5, 2.0, 1.5)) == ([2.0, 1.5, 0.5], [True, True, True])
     for poses, words in (((), "at least one value; got none"), ((2.5,), r"passes, 2 to 0; got 2\.5")):
         with pytest.raises(ValueError, match=words):

@@ -20,7 +20,8 @@ from gripper.verify.report import Beam, OtherLaw, Verification, VerifiedPose
 from gripper.verify.run import Found, Model, run
 
 _KNOWN = {
-    *("finger", "object", "motion", "approach", "friction", "theory", "tolerance", "title", "limits", "tolerances"),
+    *("finger", "object", "motion", "approach", "friction", "theory", "title"),
+    *("tolerance", "theory_tolerance", "limits", "tolerances"),
     *("length", "width", "material", "jaw"),
     *("youngs_modulus", "poisson_ratio", "shear_modulus", "plane", "yield_strain", "repeated_strain"),
 }

@@ -105,6 +105,8 @@ def passing(motion: Motion | None, poses: Sequence[float] | None) -> tuple[list[
     if asked:
         marks = " to ".join(f"{value:.6g}" for value in turns) + (", in its order" if len(turns) > 2 else "")
         raise ValueError(f"poses must be values that the motion passes, {marks}; got {asked[0]!r}")
+    if len(way) == 1 < len(turns):  # where the motion goes on to decides how the first pose slides
+        way.append((motion.values[1], False))
     return [value for value, _ in way], [wanted for _, wanted in way]
 
 
