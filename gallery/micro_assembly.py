@@ -1,40 +1,51 @@
-"""A finger with a triangular jaw snaps over a round pin (Lan & Lee, Example I): insertion, deflection, assembly.
+"""A gripper with two jawed fingers snaps over a round pin and is pulled off again (Lan & Lee, Example I).
 
-The paper leaves out the jaw's two angles; 20 and 60 degrees are assumed.
+Insertion, deflection, assembly, extraction, with friction; figure 5's pose; the loop of force there and back. One
+finger is solved, the other is its mirror image. The paper leaves out the jaw's angles: 20 and 60 degrees are assumed.
 """
 
 from __future__ import annotations
 
-import math
+from dataclasses import replace
+from math import radians
 from pathlib import Path
 
 import sympy
 
 import gripper as gr
-from gripper_plugins.fingers.uniform import Uniform
-from gripper_plugins.jaws.triangle import Triangle
-from gripper_plugins.objects.circle import Circle
+from gripper_plugins.fingers import Uniform
+from gripper_plugins.jaws import Triangle
+from gripper_plugins.objects import Circle
 
 x_o = sympy.Symbol("x_o")
+MIRROR = (0.0, -0.0105, 0.0)  # through the pin's middle: x, y in m, and an angle
+STAGES = {14: "insertion", 24: "deflection", 36: "assembly", 42: "extraction"}  # x_o = 72, 62, 50 and 56 mm
 
 plastic = gr.Material(youngs_modulus=2.6e9, poisson_ratio=0.35)
-jaw = Triangle(length=0.019, lead_angle=math.radians(20), return_angle=math.radians(60))
+jaw = Triangle(length=0.019, lead_angle=radians(20), return_angle=radians(60))
 scene = gr.Scene(
-    title="Micro-assembly finger with a triangular jaw on a round pin (Lan & Lee, Example I)",
+    title="Micro-assembly gripper on a round pin (Lan & Lee, Example I)",
     finger=Uniform(length=0.057, thickness=0.0032, width=0.0095, material=plastic, jaw=jaw),
     object=Circle(radius=0.0089).at(x=x_o, y=-0.0105),
     motion=gr.Motion.between("x_o", 0.086, 0.050, 37),
     theory="bending",  # as the paper: the finger is thin
 )
-DRAWN = (8, 14, 22, 36)  # x_o = 78, 72, 64 and 50 mm: before the touch, insertion, deflection, assembly
+loop = replace(
+    scene, motion=gr.Motion.between("x_o", 0.086, 0.050, 37, back=True), friction=gr.Friction(coefficient=0.3)
+)
+fifth = replace(scene, motion=None, object=Circle(radius=0.0089).at(x=0.06781, y=-0.0105))
 
 
-def main(folder: str | Path = ".") -> gr.Result:
-    """Trace the whole motion and write ``micro_assembly.png`` into the folder."""
-    result = gr.trace(scene)
-    result.filmstrip(DRAWN).savefig(Path(folder) / "micro_assembly.png")
-    return result
+def main(folder: str | Path = "out/micro_assembly") -> tuple[gr.Result, gr.Result, gr.Result]:
+    """Solve the insertion without friction, the loop with friction, and figure 5's pose; draw them into the folder."""
+    insertion, rubbing, pose = gr.trace(scene), gr.trace(loop), gr.solve(fifth)
+    Path(folder).mkdir(parents=True, exist_ok=True)
+    rubbing.filmstrip(STAGES, mirror=MIRROR).savefig(Path(folder, "micro_assembly.png"))
+    rubbing.curve("motion_force").savefig(Path(folder, "loop.png"))
+    insertion.curve().savefig(Path(folder, "insertion.png"))
+    pose.filmstrip({0: "x_o = 67.81 mm"}, mirror=MIRROR).savefig(Path(folder, "figure_5.png"))
+    return insertion, rubbing, pose
 
 
 if __name__ == "__main__":
-    print(main())
+    print(main()[1], "Figures: out/micro_assembly", sep="\n")

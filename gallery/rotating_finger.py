@@ -1,7 +1,7 @@
-"""A tapered rubber finger turns against an ellipse (Lan & Lee, Example II, figure 7).
+"""A tapered rubber finger turns against an ellipse (Lan & Lee, Example II, figure 7): filmstrip, curve and film.
 
-The object passes from left to right while the finger turns clockwise: phi = 102 - 236.22 x_e degrees. Drawn are
-phi = 126, 108, 90, 72 and 54 degrees. The paper leaves out the finger's length; 7 in is assumed.
+The object passes from left to right while the finger turns clockwise: phi = 102 - 236.22 x_e degrees. The paper leaves
+out the finger's length; 7 in is assumed.
 """
 
 from __future__ import annotations
@@ -12,10 +12,10 @@ from pathlib import Path
 import sympy
 
 import gripper as gr
-from gripper_plugins.fingers.tapered import Tapered
-from gripper_plugins.objects.ellipse import Ellipse
+from gripper_plugins.fingers import Tapered
+from gripper_plugins.objects import Ellipse
 
-ANGLES = (126, 108, 90, 72, 54)  # degrees
+ANGLES = (126, 108, 90, 72, 54)  # phi in the paper's figure, degrees
 x_e = sympy.Symbol("x_e")
 
 rubber = gr.Material(youngs_modulus=4.8e6, shear_modulus=1.71e6, poisson_ratio=0.4)
@@ -29,14 +29,16 @@ scene = gr.Scene(
 )
 
 
-def main(folder: str | Path = ".") -> gr.Result:
-    """Trace the whole motion and write ``rotating_finger.png`` into the folder."""
-    result = gr.trace(scene)
-    places = [(102 - angle) / 236.22 for angle in ANGLES]
+def main(folder: str | Path = "out/rotating_finger") -> gr.Result:
+    """Trace the whole motion; draw it into the folder."""
+    result, places = gr.trace(scene), [(102 - angle) / 236.22 for angle in ANGLES]
     drawn = [min(range(49), key=lambda i: abs(scene.motion.values[i] - place)) for place in places]
-    result.filmstrip(drawn).savefig(Path(folder) / "rotating_finger.png")
+    Path(folder).mkdir(parents=True, exist_ok=True)
+    result.filmstrip(drawn).savefig(Path(folder, "rotating_finger.png"))
+    result.curve().savefig(Path(folder, "force.png"))
+    result.animate(Path(folder, "rotating_finger.gif"))
     return result
 
 
 if __name__ == "__main__":
-    print(main())
+    print(main(), "Figures: out/rotating_finger", sep="\n")

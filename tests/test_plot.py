@@ -310,7 +310,7 @@ def test_the_way_back_is_dashed_and_said_so() -> None:
         there, back = lines(ax, name)
         assert (there.get_linestyle(), back.get_linestyle()) == ("-", "--")
         assert there.get_ydata()[-1] == back.get_ydata()[0]
-    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["along x", "along y", "way back"]
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["along x", "along y", "way there", "way back"]
 
 
 def test_poses_that_stick_are_hollow_and_those_without_an_answer_are_named() -> None:

@@ -8,6 +8,18 @@ from gripper.plot.animation import animate
 from gripper.plot.curve import QUANTITIES, curve
 from gripper.plot.filmstrip import beside, filmstrip
 from gripper.plot.sketch import Axis
-from gripper.plot.style import COLUMN, PAGE, Picture, styled
+from gripper.plot.style import COLUMN, INCH, PAGE, Picture, styled
 
-__all__ = ["COLUMN", "PAGE", "QUANTITIES", "Axis", "Picture", "animate", "beside", "curve", "filmstrip", "styled"]
+__all__ = [
+    "COLUMN",
+    "INCH",
+    "PAGE",
+    "QUANTITIES",
+    "Axis",
+    "Picture",
+    "animate",
+    "beside",
+    "curve",
+    "filmstrip",
+    "styled",
+]

@@ -50,11 +50,13 @@ def _moment(largest: float) -> Unit:
     return Unit("N m", 1.0) if largest >= 0.1 or largest == 0 else Unit("N mm", 1e3)
 
 
+_DRIVING = {"deg": ("driving moment", Unit("N m", 1.0)), "": ("driving work", Unit("J", 1.0))}
+"""Work to put in per unit of a parameter that is no length: its name and unit."""
 QUANTITIES = {
     "force_on_object": Quantity("force on the object", force_unit, ("along x", "along y")),
     "force_on_object_finger_frame": Quantity("force on the object, finger frame", force_unit, ("along x", "along y")),
     "moment_on_object": Quantity("moment on the object", _moment),
-    "motion_force": Quantity("force of the motion", force_unit),
+    "motion_force": Quantity("driving force", force_unit),
     "clamp_moment": Quantity("clamp moment", _moment),
     "energy": Quantity("strain energy", _energy),
     "tip": Quantity("tip", length_unit, ("x", "y")),
@@ -125,14 +127,18 @@ def _draw(ax: Axes, result: Result, quantity: str, label: str, colours: Sequence
     values = _values(result, quantity, len(what.components))
     known = np.abs(values[np.isfinite(values)])
     unit = what.unit(float(known.max(initial=0.0)))
-    for component, name, colour, mark in zip(values.T, what.components, colours, "os", strict=False):
+    name = what.name
+    if quantity == "motion_force":
+        name, unit = _DRIVING.get(along.name, (name, unit))
+        name += f" along {result.parameter}"
+    for component, part, colour, mark in zip(values.T, what.components, colours, "os", strict=False):
         look = {"color": colour, "marker": mark}
         line = _draw_line(ax, result, place, unit.factor * component, look)
-        line.set_label(", ".join(text for text in (label, name) if text) or "_")
+        line.set_label(", ".join(text for text in (label, part) if text) or "_")
     _draw_unanswered(ax, result, place)
     ax.axhline(0.0, color=INK, linewidth=0.6, zorder=0.5)
     ax.set_xlabel(labelled(result.parameter or "", along), parse_math=False)
-    ax.set_ylabel(labelled(what.name, unit))
+    ax.set_ylabel(labelled(name, unit), parse_math=False)
     _explain(ax, result, place)
 
 
@@ -193,8 +199,8 @@ def _explain(ax: Axes, result: Result, place: Array) -> None:
     """Make a legend, where there is more than one kind of line or mark."""
     entries, names = ax.get_legend_handles_labels()
     if _turns(place):
-        entries.append(Line2D([], [], color=INK, linestyle=_WAYS[1]))
-        names.append("way back")
+        entries += [Line2D([], [], color=INK, linestyle=way) for way in _WAYS]
+        names += ["way there", "way back"]
     if _sticking(result).any():
         entries.append(Line2D([], [], color="white", markeredgecolor=INK, marker="o", linewidth=0))
         names.append("sticks")

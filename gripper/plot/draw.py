@@ -68,7 +68,7 @@ class Key:
         if self.arrow:
             newtons = _round(self.largest / 2)
             long = f"{newtons * self.arrow * self.length.factor:.3g} {self.length.name}"
-            name = f"force on the object: {newtons * self.force.factor:g} {self.force.name} is {long} long"
+            name = f"force on the object ({newtons * self.force.factor:g} {self.force.name}: {long})"
             entries += [
                 Line2D([], [], color=FORCE, marker=">", linewidth=1.6, markersize=5, label=name),
                 _mark("slips" if self.sticks else "contact", sticks=False),
