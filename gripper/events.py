@@ -98,10 +98,10 @@ def changes(setting: Setting, path: Path, old: Along, new: Along, order: int) ->
 
 
 def _adjacent(setting: Setting, lost: Feature, won: Feature) -> bool:
-    """Whether a contact may roll from one to the other: from an edge to the corner at its end, or back."""
+    """Whether a contact may roll from one to the other: from an edge to the corner at its end, or back; or the object."""
     outline = setting.outline
     if lost[0] == won[0] == "vertex" and lost[2] != won[2]:
-        return False
+        return lost[1] == won[1]
     if (lost[0] == "corner") == (won[0] == "corner") and lost[2] != won[2]:
         return False  # from the object's corner on to its side: nothing here tells where that is
     ends = [outline.ends(feature[1]) for feature in (lost, won)]

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from gripper.fields import Point
 from gripper.objects import Array, FeatureSurface, closed_points
@@ -25,6 +24,8 @@ class Spline(FeatureSurface):
 
     def pieces(self) -> Array:
         """Write the spans between the points, in powers of their own parameter."""
+        from scipy.interpolate import CubicSpline  # slow to import, and no other object needs it
+
         knots = closed_points("points", self.points)
         closed = np.vstack([knots, knots[:1]])
         chords = np.linalg.norm(np.diff(closed, axis=0), axis=1)
