@@ -98,7 +98,7 @@ def changes(setting: Setting, path: Path, old: Along, new: Along, order: int) ->
 
 
 def _adjacent(setting: Setting, lost: Feature, won: Feature) -> bool:
-    """Whether a contact may roll from one to the other: from an edge to the corner at its end, or back; or the object."""
+    """Whether a contact may roll on: to the corner at an edge's end, or back; to another of the object's corners."""
     outline = setting.outline
     if lost[0] == won[0] == "vertex" and lost[2] != won[2]:
         return lost[1] == won[1]
