@@ -11,7 +11,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, TypeAlias
 
 import sympy
@@ -47,12 +47,16 @@ def number(scene: Scene, key: str) -> float:
     LookupError
         The scene has no number of this key; lists the known ones.
     """
+    return _looked_up(scene, (key,))[0]
+
+
+def _looked_up(scene: Scene, keys: Iterable[str]) -> list[float]:
     known = numbers(scene)
-    if key == "friction.coefficient" and scene.friction is None:
-        return 0.0
-    if key not in known:
-        raise LookupError(f"unknown number {key!r}; known: {known_names(key, known)}")
-    return known[key]
+    values = known if scene.friction else known | {"friction.coefficient": 0.0}
+    for key in keys:
+        if key not in values:
+            raise LookupError(f"unknown number {key!r}; known: {known_names(key, known)}")
+    return [values[key] for key in keys]
 
 
 def replaced(scene: Scene, values: Mapping[str, float]) -> Scene:
@@ -72,9 +76,9 @@ def replaced(scene: Scene, values: Mapping[str, float]) -> Scene:
     ValueError
         A number breaks the rule of its field.
     """
+    _looked_up(scene, values)
     tree: Tree = {}
     for key, value in values.items():
-        number(scene, key)
         *way, last = _steps(key)
         branch = tree
         for step in way:

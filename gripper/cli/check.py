@@ -19,7 +19,7 @@ NOT_KEPT = 1
 def check(
     scene_file: Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The scene.", show_default=False)],
 ) -> None:
-    """Judge the limits that a scene's [limits] table gives; print pass or fail for each, and the pose that decides.
+    """Judge the limits that a scene's table of limits gives; print pass or fail for each, and the pose that decides.
 
     Exit status: 0 when all are kept; 1 when one is not, or cannot be shown to be, because poses have no answer; 2
     when the scene is bad; 130 when interrupted.

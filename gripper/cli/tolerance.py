@@ -26,7 +26,7 @@ def tolerance(
         int, typer.Option(metavar="N", help="Also follow N variants drawn from the bands, N a power of 2.")
     ] = 0,
 ) -> None:
-    """Say by how much the numbers of a scene's [tolerance] table change those of its summary.
+    """Say by how much the numbers of a scene's table of tolerances change those of its summary.
 
     Bands are linear, from exact sensitivities: at worst, and likely (the root of the sum of squares). Writes
     tolerance.csv and a tornado chart of each number.
