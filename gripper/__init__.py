@@ -19,6 +19,7 @@ from gripper.limits import Limits, Verdict, judged
 from gripper.loop import Loop
 from gripper.materials import material
 from gripper.objects import FeatureSurface, ImplicitSurface, Object
+from gripper.optimize import Optimum, optimize
 from gripper.pose import Placed, Pose
 from gripper.result import Contact, Event, PoseResult, Result
 from gripper.scene import Motion, Scene
@@ -45,6 +46,7 @@ __all__ = [
     "Material",
     "Motion",
     "Object",
+    "Optimum",
     "Placed",
     "Point",
     "Pose",
@@ -63,6 +65,7 @@ __all__ = [
     "judged",
     "linear_bands",
     "material",
+    "optimize",
     "sampled_bands",
     "solve",
     "sweep",

@@ -32,7 +32,7 @@ def kinks_of(profile: sympy.Expr, s: sympy.Symbol, length: float) -> tuple[float
     Rising, strictly between 0 and L, in m: every place where something changes sign between 4097 samples.
     """
     places = np.linspace(0.0, length, SAMPLES)
-    found = {root for switch in set(_switches(profile)) for root in _roots(switch, s, places)}
+    found = {root for switch in set(switches(profile)) for root in _roots(switch, s, places)}
     inner = sorted(root for root in found if INSET * length < root < (1 - INSET) * length)
     return tuple(b for a, b in zip([-length, *inner], inner, strict=False) if b - a > INSET * length)
 
@@ -42,7 +42,7 @@ def beside_kinks(derivative: sympy.Expr) -> sympy.Expr:
     return derivative.replace(sympy.DiracDelta, lambda *_: sympy.Integer(0))
 
 
-def _switches(profile: sympy.Expr) -> Iterator[sympy.Expr]:
+def switches(profile: sympy.Expr) -> Iterator[sympy.Expr]:
     """What is zero where the profile changes over."""
     for part in sympy.preorder_traversal(profile):
         if isinstance(part, (sympy.Abs, sympy.sign, sympy.Heaviside)):

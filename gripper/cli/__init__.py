@@ -10,6 +10,7 @@ import typer
 
 from gripper.cli.check import check as _check
 from gripper.cli.explain import explain as _explain
+from gripper.cli.optimize import optimize as _optimize
 from gripper.cli.plugins import plugins as _plugins
 from gripper.cli.run import run as _run
 from gripper.cli.study import study as _study
@@ -27,6 +28,7 @@ app.command("run")(_run)
 app.command("check")(_check)
 app.command("sweep")(_sweep)
 app.command("tolerance")(_tolerance)
+app.command("optimize")(_optimize)
 app.command("verify")(_verify)
 app.command("plugins")(_plugins)
 app.command("explain")(_explain)

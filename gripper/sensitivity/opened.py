@@ -5,13 +5,13 @@ from __future__ import annotations
 import copy
 import dataclasses
 import functools
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any, TypeVar
 
 import sympy
 
 from gripper.fingers import Finger, S
-from gripper.kinks import beside_kinks
+from gripper.kinks import beside_kinks, switches
 from gripper.objects.compiled import X, Y, compiled
 
 Part = TypeVar("Part")
@@ -63,10 +63,15 @@ class Opened:
 
     def __init__(self, part: Any, values: Mapping[str, float]) -> None:
         self.name = type(part).__name__
+        self._values = dict(values)
         self.symbols = {key: symbol(key, value) for key, value in values.items()}
         inner = {key: _Open.of(key, value) for key, value in values.items()}
         self._outer = {inner[key]: self.symbols[key] for key in values}
         self.part = _grafted(part, "", inner)
+
+    def values(self) -> Iterator[tuple[sympy.Symbol, float]]:
+        """The symbols and their numbers."""
+        return ((self.symbols[key], value) for key, value in self._values.items())
 
     def read(self, formula: Any) -> Any:
         """What a plugin's formula gives for the opened part: expressions of the keys' symbols.
@@ -143,7 +148,29 @@ def profile(finger: Finger, values: Mapping[str, float]) -> tuple[Profile, dict[
     if finger.jaw is not None:
         tip = opened.read(lambda part: part.w(part.length))
         jaw = _jaw(opened, tip)
-    return Profile(w, bending, rigidity * area, opened.read(lambda part: part.kinks()), jaw), symbols
+    return Profile(w, bending, rigidity * area, _kinks(finger, opened), jaw), symbols
+
+
+def _kinks(finger: Finger, opened: Opened) -> tuple[sympy.Expr, ...]:
+    """The kinks of a profile, as expressions: those that a plugin writes, or roots of what changes over there."""
+    places = finger.kinks()
+    if not places:
+        return ()
+    if type(finger).kinks is not Finger.kinks:
+        written: tuple[sympy.Expr, ...] = opened.read(lambda part: part.kinks())
+        return written
+    at = dict(opened.values())
+    found = {change for profile in opened.read(lambda part: (part.w(S), part.b(S))) for change in switches(profile)}
+    return tuple(_root(place, found, at, finger.length) for place in places)
+
+
+def _root(place: float, changes: set[sympy.Expr], at: Mapping[sympy.Symbol, float], length: float) -> sympy.Expr:
+    """Where one of these is 0, to first order in the numbers: one step of Newton's from there."""
+    for change in changes:
+        slope = float(sympy.diff(change, S).subs(at).subs(S, place))
+        if slope and abs(float(change.subs(at).subs(S, place))) < 1e-9 * abs(slope) * length:
+            return sympy.Float(place) - change.subs(S, place) / slope
+    return sympy.Float(place)
 
 
 _TIP = sympy.Symbol("tip thickness", positive=True)
