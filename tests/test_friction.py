@@ -17,12 +17,14 @@ import gripper as gr
 from gripper.assemble import setting
 from gripper.contact import Site, linearise
 from gripper.equilibrium import State, settle
+from gripper.frictional import tracker_for
 from gripper.grip import Grip, Law, grouped
 from gripper.kinematics import Kinematics
 from gripper.others import answers, compliance
+from gripper.tracker import Tracker
 from gripper_plugins.objects.circle import Circle
 from gripper_plugins.objects.ellipse import Ellipse
-from tests.scenes import BEAM, EXACT, REFERENCE, TAPERED, Q, follow, micro_assembly, rotating_finger, unit_finger
+from tests.scenes import BEAM, EXACT, REFERENCE, TAPERED, Q, follow, micro_assembly, rotating_finger, still, unit_finger
 
 FEM = json.loads((REFERENCE / "fem.json").read_text())
 SLIPPERY, ROUGH = gr.Friction(coefficient=0.2), gr.Friction(coefficient=0.3)
@@ -150,6 +152,14 @@ def test_an_answer_does_not_depend_on_how_far_apart_the_poses_are():
         assert (one.kind, one.parameter) == (other.kind, pytest.approx(other.parameter, abs=1e-8))
 
 
+def test_a_motion_that_starts_in_contact_holds_as_if_it_had_come_that_way(example_2):
+    late = gr.trace(rotating_finger(-0.0254, 0.0, friction=SLIPPERY))
+    for pose in late.poses:
+        assert pose.contacts[0].state == "slip"
+        assert off(pose, force(at(example_2["shear", "rising"], pose.parameter))) < 1e-7
+    assert late.poses[0].work == late.poses[0].dissipation == 0
+
+
 def test_a_step_over_the_whole_of_the_stick_does_not_miss_it():
     leap = gr.trace(rotating_finger(0.127, 0.0508, 0.0254, friction=SLIPPERY))
     assert [e.kind for e in leap.events] == ["touch", "stick", "slip"]
@@ -198,6 +208,15 @@ def test_a_coefficient_of_0_leaves_friction_out(coefficient):
     nothing = gr.trace(micro_assembly(*values, friction=gr.Friction(coefficient=coefficient)))
     assert numbers(without) == numbers(nothing)
     assert nothing.loop is None
+    scene = micro_assembly(*values, friction=gr.Friction(coefficient=coefficient))
+    assert setting(scene).friction is None
+    assert tracker_for(setting(scene)) is Tracker
+    assert [(part.what, part.why) for part in gr.assemble(still(scene)).left_out if part.what == "friction"]
+    for solved in follow(scene):
+        assert solved.equilibrium.linear.rubbing is None
+        assert all(
+            site.grip is None and site.unknowns == site.unknown_places for site in solved.equilibrium.state.sites
+        )
 
 
 def test_small_friction_is_a_small_change():
