@@ -141,7 +141,7 @@ class Whole:
         counts = self._counting(centers, radii, steepest)
         steep = np.where(counts, steepest, 0.0).max(axis=0)
         lowest = np.where(counts, least, np.inf).min(axis=0)
-        hidden = ~self.largest & (counts.sum(axis=0) > 1)  # where the least changes over, its kink is concave
+        hidden = (not self.largest) & (counts.sum(axis=0) > 1)  # where the least changes over, its kink is concave
         return steep, np.where(hidden, -np.inf, lowest)
 
     def largest_curvature(self, centers: Array, radii: Array) -> Array:
