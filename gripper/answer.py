@@ -212,9 +212,9 @@ def drive(equilibrium: Equilibrium) -> float:
 
 
 def largest_strain(setting: Setting, equilibrium: Equilibrium) -> tuple[float, float]:
-    """Largest abs(kappa) w / 2, kappa from the moment of the contact forces beyond each section, and its s (by L).
+    """Largest abs(eps) + abs(kappa) w / 2 and its s (by L), both from the contact forces beyond each section.
 
-    The moment of the forces is as good as the forces; kappa of the strain fields is right in the mean only.
+    The forces and their moment are as good as the forces; the strain fields are right in the mean only.
     """
     return _largest_strain(equilibrium, _Profile.of(setting, equilibrium.state))
 
@@ -230,8 +230,12 @@ def _largest_strain(equilibrium: Equilibrium, seen: _Profile) -> tuple[float, fl
     places = np.concatenate([u if site.on_face else np.full(u.size, 2.0) for site, u in on_face])
     points, forces = loads(equilibrium)
     moments = ((points - position[:, None]).conj() * forces).imag
-    moment = np.sum(moments * (places > middle[:, None]), axis=1)
+    beyond = places > middle[:, None]
+    moment = np.sum(moments * beyond, axis=1)
     strain = np.abs(moment) / seen.stiffness[seen.strain] * seen.half[seen.strain]
+    if state.beam.stretches:
+        along = dot(np.exp(1j * seen.psi[seen.strain]), beyond @ forces)
+        strain += np.abs(along) / state.beam.sections.EA(s)
     place, value = vertex(s, strain, int(np.argmax(strain)))
     return value, place
 

@@ -14,6 +14,7 @@ from typing import Any, Literal
 import numpy as np
 
 from gripper.arrays import Array, Index
+from gripper.axis import Axis
 from gripper.beam import BeamTheory
 from gripper.certificate import Survey, survey
 from gripper.contact import Site, linearise
@@ -22,7 +23,7 @@ from gripper.friction import Friction
 from gripper.grip import Law
 from gripper.kinematics import Kinematics
 from gripper.obstacle import Obstacle
-from gripper.outline import LOWER, UPPER, Axis, Outline, dot
+from gripper.outline import LOWER, UPPER, Outline, dot
 from gripper.pose import placed
 from gripper.result import LeftOut
 from gripper.scene import Scene
@@ -90,10 +91,9 @@ def left_out(scene: Scene, theory: BeamTheory) -> tuple[LeftOut, ...]:
     out = []
     if scene.friction is None or scene.friction.absent:
         out.append(LeftOut(what="friction", why="coefficient is 0" if scene.friction else "none is given"))
-    if theory == "bending":
-        why = f"it changes forces by less than {scene.theory_tolerance:.2g}" if scene.theory == "auto" else "as asked"
-        out.append(LeftOut(what="shear strain", why=f"theory is bending: {why}"))
-    out.append(LeftOut(what="stretch of the axis", why="neither bending nor shear has it"))
+    why = f"it changes forces by less than {scene.theory_tolerance:.2g}" if scene.theory == "auto" else "as asked"
+    missing = {"bending": ("shear strain", "stretch of the axis"), "shear": ("stretch of the axis",), "stretch": ()}
+    out += [LeftOut(what=what, why=f"theory is {theory}: {why}") for what in missing[theory]]
     if finger.jaw is None:
         out.append(LeftOut(what="jaw", why="the finger has none"))
     return tuple(out)

@@ -4,6 +4,8 @@ Lan & Lee's eqs (1) and (2), corrected: the section turns by psi, the axis runs 
 
     V = 1/2 int EI kappa^2 + kappa_s GA gamma^2 ds,   x' = cos(psi + gamma),  y' = sin(psi + gamma).
 
+With stretch (Simo 1985, after Reissner) V has EA eps^2 besides, and the axis another direction (:mod:`gripper.axis`).
+
 Unknowns are the fields' coefficients on each segment, whitened by the Cholesky factor of their own stiffness:
 V = |z|^2 / 2 exactly, whatever the profile. Order 0 is a chain of circular arcs. Everything is dimensionless
 (:mod:`gripper.sections`). Geometry is integrated by Gauss points on each segment; an arbitrary station uses the
@@ -14,7 +16,7 @@ from __future__ import annotations
 
 import functools
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from scipy.special import eval_legendre
@@ -22,7 +24,8 @@ from scipy.special import eval_legendre
 from gripper.arrays import Array, Complex, Index
 from gripper.sections import Sections
 
-BeamTheory = Literal["bending", "shear"]
+BeamTheory = Literal["bending", "shear", "stretch"]
+"""From the cheapest to the richest: kappa, gamma, eps one after the other."""
 
 
 def legendre(x: Array, count: int) -> Array:
@@ -100,8 +103,8 @@ def _rule(order: int) -> _Rule:
 class Rows:
     """Linear maps from the unknowns (n) and from the Gauss points (g) to k stations."""
 
-    position: Array  # (k, g): weights of cos theta, sin theta in x, y
-    strains: Array  # (5, k, n): psi, gamma, kappa, kappa', gamma'
+    position: Array  # (k, g): weights of r' in r
+    strains: Array  # (5, k, n): psi, gamma, kappa, kappa', gamma'; with stretch (7, k, n): and eps, eps'
 
 
 class Beam:
@@ -116,7 +119,7 @@ class Beam:
     order
         Order p of the strain fields on each segment.
     theory
-        "bending": kappa alone. "shear": kappa and gamma.
+        "bending": kappa alone. "shear": kappa and gamma. "stretch": kappa, gamma and eps.
     """
 
     def __init__(self, sections: Sections, breaks: tuple[float, ...], order: int, theory: BeamTheory) -> None:
@@ -124,7 +127,8 @@ class Beam:
         self.starts = np.array(breaks[:-1])
         self.lengths = np.diff(breaks)
         self._halves = self.lengths / 2
-        self.fields = 1 if theory == "bending" else 2
+        self.fields = get_args(BeamTheory).index(theory) + 1
+        self.stretches = theory == "stretch"
         self.segments = len(breaks) - 1
         self.modes = order + 1
         self.size = self.segments * self.fields * self.modes
@@ -147,7 +151,7 @@ class Beam:
         return np.linalg.inv(upper)
 
     def _theta_map(self) -> Array:
-        """theta = psi + gamma at the Gauss points, (g, n)."""
+        """What r' turns by at the Gauss points: psi + gamma, with stretch psi alone, (g, n)."""
         q, m = self._rule.x.size, self.modes
         theta = np.zeros((self.segments, q, self.segments, self.fields, m))
         theta[:, :, :, 0] = self._turns[:, None]
@@ -156,6 +160,15 @@ class Beam:
         if self.fields == 2:
             theta[each, :, each, 1] = self._rule.modes @ self._whiten[1]
         return theta.reshape(-1, self.size)
+
+    @functools.cached_property
+    def strain_maps(self) -> Array:
+        """Gamma and eps at the Gauss points, (2, g, n); with stretch alone."""
+        q, m, each = self._rule.x.size, self.modes, np.arange(self.segments)
+        maps = np.zeros((2, self.segments, q, self.segments, self.fields, m))
+        for i in range(2):
+            maps[i, each, :, each, i + 1] = self._rule.modes @ self._whiten[i + 1]
+        return maps.reshape(2, -1, self.size)
 
     def segment_of(self, s: Array, *, left: bool = False) -> Index:
         """The segment of each station; at a break the one after it, or before it with ``left``."""
@@ -178,13 +191,14 @@ class Beam:
         fields[:, 1] *= half[:, None]
         fields[:, 2] /= half[:, None]
         fields = fields @ self._whiten[:, segment]
-        strains = np.zeros((5, k, self.segments, self.fields, m))
+        strains = np.zeros((7 if self.stretches else 5, k, self.segments, self.fields, m))
         strains[0, :, :, 0] = self._turns[segment]
         strains[0, each, segment, 0] += fields[0, :, 1]
         strains[2, each, segment, 0], strains[3, each, segment, 0] = fields[0, :, 0], fields[0, :, 2]
-        if self.fields == 2:
-            strains[1, each, segment, 1], strains[4, each, segment, 1] = fields[1, :, 0], fields[1, :, 2]
-        return Rows(position.reshape(k, -1), strains.reshape(5, k, self.size))
+        for i in range(1, self.fields):
+            value, slope = (1, 4) if i == 1 else (5, 6)
+            strains[value, each, segment, i], strains[slope, each, segment, i] = fields[i, :, 0], fields[i, :, 2]
+        return Rows(position.reshape(k, -1), strains.reshape(-1, k, self.size))
 
     def coefficients(self, z: Array) -> Array:
         """Legendre coefficients of the fields: (fields, segments, p + 1)."""
@@ -232,37 +246,43 @@ class Beam:
         return self.unknowns(coefficients)
 
     def series(self, z: Array, direction: Complex) -> Array:
-        """Legendre coefficients of x, y, psi, theta and kappa on each segment: (segments, q + 1, 5).
+        """Legendre coefficients of x, y, psi and the strains on each segment: (segments, q + 1, 3 + fields).
 
         Parameters
         ----------
         z
             Unknowns (n,).
         direction
-            exp(i theta) at the Gauss points, (g,).
+            r' at the Gauss points, (g,).
         """
         rule, local, half = self._rule, self.coefficients(z), self._halves[:, None]
         runs = direction.reshape(self.segments, -1) * half
-        out = np.zeros((self.segments, rule.x.size + 1, 5))
+        out = np.zeros((self.segments, rule.x.size + 1, 3 + self.fields))
         path = runs @ rule.path.T
         turn = local[0] @ rule.primitive.T * half
         # where a segment ends is where the next one starts: every P_k is 1 at its end
         path[1:, 0] += np.cumsum(path[:-1].sum(axis=1))
         turn[1:, 0] += np.cumsum(turn[:-1].sum(axis=1))
-        out[:, :, 0], out[:, :, 1] = path.real, path.imag
-        out[:, :, 2] = out[:, :, 3] = turn
-        out[:, : self.modes, 4] = local[0]
-        if self.fields == 2:
-            out[:, : self.modes, 3] += local[1]
+        out[:, :, 0], out[:, :, 1], out[:, :, 2] = path.real, path.imag, turn
+        out[:, : self.modes, 3:] = local.transpose(1, 2, 0)
         return out
 
     def read(self, series: Array, s: Array, segment: Index) -> Array:
-        """Values of :meth:`series` at stations s (k,) of given segments (k,): (k, 5)."""
+        """Values of :meth:`series` at stations s (k,) of given segments (k,): (k, 3 + fields)."""
         return (self._tables(s, segment)[1][:, None, :] @ series[segment])[:, 0]
 
     def slope_bounds(self, z: Array) -> Array:
-        """Upper bounds of abs(kappa') and abs(gamma') over each segment: (2, segments)."""
+        """Upper bounds of abs(kappa'), and of abs(r'') less abs(kappa r'), over each segment: (2, segments)."""
         sizes = np.abs(self.coefficients(z) @ _differentiation(self.modes).T)  # |P_k| <= 1
-        bounds = np.zeros((2, self.segments))
-        bounds[: self.fields] = sizes.sum(axis=2) * (2 / self.lengths)
-        return bounds
+        bounds = sizes.sum(axis=2) * (2 / self.lengths)
+        return np.array([bounds[0], bounds[1:].sum(axis=0)])
+
+    def speed_bounds(self, z: Array) -> tuple[Array, Array]:
+        """A lower and an upper bound of abs(r') over each segment, (segments,) each: 1 where the axis keeps its length.
+
+        From abs(1 + eps + i gamma), with the fields bounded by the sums of their coefficients.
+        """
+        if not self.stretches:
+            return np.ones(self.segments), np.ones(self.segments)
+        _, gamma, eps = np.abs(self.coefficients(z)).sum(axis=2)  # |P_k| <= 1
+        return np.maximum(1 - eps, 0.0), np.hypot(1 + eps, gamma)

@@ -18,9 +18,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from gripper.arrays import Array, Complex, Index
+from gripper.axis import Axis
 from gripper.equilibrium import Setting, State
 from gripper.obstacle import Obstacle
-from gripper.outline import LOWER, UPPER, Axis, Outline, crossings, dot
+from gripper.outline import LOWER, UPPER, Outline, crossings, dot
 
 DEPTH = 5e-7
 """Penetration that counts as none, by L."""
@@ -190,20 +191,22 @@ class _ArcBounds:
     """Bounds of |c'| and |c''| over stretches of the faces; a rigid edge is straight with |c'| = 1."""
 
     def __init__(self, setting: Setting, state: State) -> None:
-        self.kappa_slope, self.gamma_slope = state.beam.slope_bounds(state.z)
+        self.kappa_slope, self.strain_slope = state.beam.slope_bounds(state.z)
+        self.slowest, self.fastest = state.beam.speed_bounds(state.z)
         self.thickness = setting.sections.thickness_bounds
 
     def of(self, pieces: Pieces, kappas: Array) -> tuple[Array, Array, Array]:
         """Max |c'|, min |c'|, max |c''| of each piece, kappa being known at its ends (2, k)."""
         w, slope, curvature = self.thickness
         flexible = pieces.piece <= UPPER
-        kappa_slope, gamma_slope = self.kappa_slope[pieces.segment], self.gamma_slope[pieces.segment]
+        kappa_slope, strain_slope = self.kappa_slope[pieces.segment], self.strain_slope[pieces.segment]
+        slowest, fastest = self.slowest[pieces.segment], self.fastest[pieces.segment]
         kappa = np.abs(kappas).max(axis=0) + kappa_slope * (pieces.u1 - pieces.u0) / 2
         stretched = slope / 2 + kappa * w / 2
-        bent = kappa + gamma_slope + curvature / 2 + kappa * slope + kappa_slope * w / 2 + kappa**2 * w / 2
+        bent = kappa * fastest + strain_slope + curvature / 2 + kappa * slope + kappa_slope * w / 2 + kappa**2 * w / 2
         return (
-            np.where(flexible, 1 + stretched, 1.0),
-            np.where(flexible, np.maximum(1 - stretched, 0.0), 1.0),
+            np.where(flexible, fastest + stretched, 1.0),
+            np.where(flexible, np.maximum(slowest - stretched, 0.0), 1.0),
             np.where(flexible, bent, 0.0),
         )
 

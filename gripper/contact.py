@@ -25,10 +25,11 @@ from typing import Literal
 import numpy as np
 
 from gripper.arrays import Array, Complex, Index
+from gripper.axis import Axis
 from gripper.beam import Beam, legendre
 from gripper.grip import Grip
 from gripper.obstacle import Obstacle
-from gripper.outline import UPPER, Axis, Outline, Stations, dot, second_derivative
+from gripper.outline import UPPER, Outline, Stations, dot, second_derivative
 from gripper.rubbing import Rubbing, rub
 
 Kind = Literal["tangent", "corner", "node", "vertex", "patch", "tail"]

@@ -18,12 +18,13 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from gripper.arrays import Array
+from gripper.axis import Axis
 from gripper.beam import Beam, BeamTheory
 from gripper.contact import Linearisation, Site, linearise
 from gripper.grip import Law, leader
 from gripper.objects import Object
 from gripper.obstacle import Frame, Obstacle
-from gripper.outline import Axis, Outline
+from gripper.outline import Outline
 from gripper.sections import Sections
 
 _ITERATIONS = 20

@@ -15,7 +15,7 @@ from typing import Literal
 import numpy as np
 
 from gripper.arrays import Array, Complex, Index, Mask
-from gripper.beam import Beam
+from gripper.axis import Axis, course
 from gripper.sections import Sections
 
 Part = Literal["lower", "upper", "tip", "jaw"]
@@ -64,34 +64,6 @@ class Stations:
     def mean(self, other: Stations) -> Stations:
         """The mean of two readings of the same places."""
         return Stations(*((getattr(self, f) + getattr(other, f)) / 2 for f in self.__dataclass_fields__))
-
-
-@dataclass(frozen=True, eq=False)
-class Axis:
-    """A deflected axis: exp(i theta) at the beam's Gauss points."""
-
-    beam: Beam
-    z: Array
-    direction: Complex
-
-    @classmethod
-    def of(cls, beam: Beam, z: Array) -> Axis:
-        """The axis of these unknowns."""
-        return cls(beam, z, np.exp(1j * (beam.theta_map @ z)))
-
-    @functools.cached_property
-    def turning(self) -> Complex:
-        """d exp(i theta)/dz at the Gauss points, (g, n)."""
-        return (1j * self.direction)[:, None] * self.beam.theta_map
-
-    @functools.cached_property
-    def _series(self) -> Array:
-        return self.beam.series(self.z, self.direction)
-
-    def values(self, s: Array, segment: Index) -> tuple[Complex, Array, Array, Array]:
-        """Position x + iy, psi, theta and kappa (k,) at stations s (k,) of given segments (k,)."""
-        x, y, psi, theta, kappa = self.beam.read(self._series, s, segment).T
-        return x + 1j * y, psi, theta, kappa
 
 
 class Outline:
@@ -206,33 +178,36 @@ class Outline:
         On a rigid piece kappa is 0.
         """
         s, P, P1, _ = self.offsets(piece, u)
-        position, psi, theta, kappa = axis.values(s, segment)
+        position, psi, along, kappa = axis.values(s, segment)
         flexible = piece <= UPPER
         kappa = kappa * flexible
         turn = np.exp(1j * psi)
         offset = P * turn
-        return position + offset, flexible * np.exp(1j * theta) + 1j * kappa * offset + P1 * turn, kappa
+        return position + offset, flexible * along + 1j * kappa * offset + P1 * turn, kappa
 
     def stations(self, axis: Axis, piece: Index, u: Array, segment: Index) -> Stations:
         """Points and derivatives at u (k,) along pieces (k,), read from the given segments' polynomials (k,)."""
         s, P, P1, P2 = self.offsets(piece, u)
         rows = axis.beam.rows(s, segment)
         flexible = piece <= UPPER
-        psi, gamma, kappa, kappa1, gamma1 = rows.strains @ axis.z
+        psi, *strains = rows.strains @ axis.z
         turn = np.exp(1j * psi)
-        along, e0, e1 = turn * np.exp(1j * gamma), P * turn, P1 * turn
-        ie0 = bent = 1j * e0
-        if not flexible.all():
-            kappa, kappa1, gamma1 = kappa * flexible, kappa1 * flexible, gamma1 * flexible
-            along, bent = along * flexible, ie0 * flexible
-        ialong, ie1 = 1j * along, 1j * e1
-        by_strain = np.array([ialong + ie1 - kappa * e0, ialong, bent])  # dc'/d(psi, gamma, kappa)
+        own, e0, e1 = course(turn, np.array(strains)), P * turn, P1 * turn
+        ie0, ie1 = 1j * e0, 1j * e1
+        _, kappa, kappa1, *_ = (strain * flexible for strain in strains)
+        along = own.along * flexible
+        # dc'/d(psi, gamma, kappa), and by eps
+        by_strain = [1j * along + ie1 - kappa * e0, own.by_shear * flexible, ie0 * flexible]
+        maps = rows.strains[:3]
+        if own.by_stretch is not None:
+            by_strain.append(own.by_stretch * flexible)
+            maps = rows.strains[[0, 1, 2, 5]]
         return Stations(
             rows.position @ axis.direction + e0,
             along + e1 + kappa * ie0,
-            (kappa + gamma1) * ialong + P2 * turn + 2 * kappa * ie1 + kappa1 * ie0 - kappa**2 * e0,
+            own.bend * flexible + P2 * turn + 2 * kappa * ie1 + kappa1 * ie0 - kappa**2 * e0,
             rows.position @ axis.turning + ie0[:, None] * rows.strains[0],
-            np.einsum("ck,ckn->kn", by_strain, rows.strains[:3]),
+            np.einsum("ck,ckn->kn", np.array(by_strain), maps),
             rows.position,
             e0,
             rows.strains[0],
@@ -241,11 +216,8 @@ class Outline:
 
 def second_derivative(axis: Axis, stations: Stations, forces: Complex) -> Array:
     """sum_i f_i . d2c_i/dz2, (n, n), for vectors f (k,) at the stations."""
-    beam = axis.beam
-    bend = dot(forces @ stations.position, axis.direction)
     turn = dot(forces, stations.offsets)
-    hessian = beam.theta_map.T @ (bend[:, None] * beam.theta_map) + stations.psi.T @ (turn[:, None] * stations.psi)
-    return -hessian
+    return axis.second_derivative(forces @ stations.position) - stations.psi.T @ (turn[:, None] * stations.psi)
 
 
 def _inside(point: complex, polygon: Complex) -> bool:

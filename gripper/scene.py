@@ -14,7 +14,7 @@ from gripper.objects import Object
 from gripper.pose import Placed, placed
 from gripper.tolerances import Tolerances
 
-Theory = Literal["auto", "bending", "shear"]
+Theory = Literal["auto", "bending", "shear", "stretch"]
 MOST_POSES = 100_000
 """Of a motion: a gigabyte of results."""
 
@@ -66,8 +66,9 @@ class Scene:
     friction
         Coulomb friction; None for none.
     theory
-        "bending", "shear" (Timoshenko's sections, inextensible axis: the paper's), or "auto": the cheapest whose
-        forces the next one changes by no more than ``theory_tolerance``, the same at all poses.
+        "bending", "shear" (Timoshenko's sections, inextensible axis: the paper's), "stretch" (Simo's and Reissner's
+        beam: the axis changes its length, too), or "auto": the cheapest whose forces the next one changes by no more
+        than ``theory_tolerance``, the same at all poses.
     tolerance
         Asked relative discretisation error of the contact force.
     theory_tolerance

@@ -57,11 +57,12 @@ class Sections:
         return self.bending_stiffness / self.length
 
     @functools.cached_property
-    def _moduli(self) -> tuple[float, float]:
-        """What b w^3 and b w, in SI, are multiplied by to be EI over EI(0) and kappa_s GA times L^2 over EI(0)."""
+    def _moduli(self) -> tuple[float, float, float]:
+        """What b w^3, b w and b w, in SI, are multiplied by: EI over EI(0), kappa_s GA and EA times L^2 over EI(0)."""
         material = self.finger.material
-        rigidity = material.shear_coefficient * material.G * self.length**2
-        return material.bending_modulus / 12 / self.bending_stiffness, rigidity / self.bending_stiffness
+        moduli = material.bending_modulus / 12, material.shear_coefficient * material.G, material.bending_modulus
+        bending, shear, stretch = (modulus / self.bending_stiffness for modulus in moduli)
+        return bending, shear * self.length**2, stretch * self.length**2
 
     def thickness(self, sigma: Array) -> Array:
         """w / L."""
@@ -72,10 +73,11 @@ class Sections:
         w, slope, curvature = self._profile(sigma * self.length)
         return w / self.length, slope, curvature * self.length
 
-    def stiffness(self, sigma: Array) -> tuple[Array, Array]:
-        """EI over EI(0), and GA as below."""
-        bending, shear = self._stiffness(sigma * self.length)
-        return bending * self._moduli[0], shear * self._moduli[1]
+    def stiffness(self, sigma: Array) -> tuple[Array, Array, Array]:
+        """EI over EI(0), and GA and EA as below."""
+        second, area = self._stiffness(sigma * self.length)
+        bending, shear, stretch = self._moduli
+        return second * bending, area * shear, area * stretch
 
     def EI(self, sigma: Array) -> Array:
         """Bending stiffness over EI(0): E b w^3 / 12."""
@@ -84,6 +86,10 @@ class Sections:
     def GA(self, sigma: Array) -> Array:
         """Shear stiffness times L^2 over EI(0), Kaneko's coefficient included: kappa_s G b w."""
         return self.stiffness(sigma)[1]
+
+    def EA(self, sigma: Array) -> Array:
+        """Axial stiffness times L^2 over EI(0): E b w, with E / (1 - nu^2) in plane strain as EI has it."""
+        return self.stiffness(sigma)[2]
 
 
 @functools.lru_cache(maxsize=256)

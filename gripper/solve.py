@@ -24,7 +24,6 @@ from gripper.splitting import NOTE, is_published, split
 from gripper.validity import plane_difference, warnings
 
 NOT_MODELLED = (
-    "stretch of the axis",
     "deformation of the section and of the surface at the contact",
     "out-of-plane deformation",
     "plasticity",

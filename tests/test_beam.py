@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from scipy.optimize import minimize
 
 import gripper as gr
+from gripper.axis import Axis
 from gripper.beam import Beam
-from gripper.outline import Axis
 from gripper.sections import sections
 from tests.scenes import EXACT, RUBBER, TAPERED, unit_finger
 
@@ -23,7 +23,7 @@ BEAMS = [
     Beam(profile, breaks, order, theory)
     for profile in (THICK, UNIFORM)
     for breaks in SEGMENTS
-    for order, theory in ((0, "shear"), (4, "bending"), (6, "shear"))
+    for order, theory in ((0, "shear"), (4, "bending"), (6, "shear"), (5, "stretch"))
 ]
 beams = st.sampled_from(BEAMS)
 seeds = st.integers(0, 2**32 - 1)
@@ -42,10 +42,19 @@ def quadrature(beam: Beam, start: float, stop: float) -> tuple[np.ndarray, np.nd
     return s, (half * WEIGHTS).ravel(), beam.segment_of(s)
 
 
-def fields(beam: Beam, z: np.ndarray, s: np.ndarray, segment: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Kappa and gamma."""
-    strains = beam.strains(z, s, segment)
-    return strains[0], strains[1] if beam.fields == 2 else np.zeros_like(s)
+def fields(beam: Beam, z: np.ndarray, s: np.ndarray, segment: np.ndarray) -> np.ndarray:
+    """Kappa, gamma and eps: those that the theory leaves out are 0."""
+    strains = np.zeros((3, s.size))
+    strains[: beam.fields] = beam.strains(z, s, segment)
+    return strains
+
+
+def direction(theory: str, psi: np.ndarray, gamma: np.ndarray, eps: np.ndarray) -> np.ndarray:
+    """r' as it is defined: x' = cos(psi + gamma), or (1 + eps) cos psi - gamma sin psi with stretch."""
+    if theory != "stretch":
+        return np.cos(psi + gamma) + 1j * np.sin(psi + gamma)
+    x = (1 + eps) * np.cos(psi) - gamma * np.sin(psi)
+    return x + 1j * ((1 + eps) * np.sin(psi) + gamma * np.cos(psi))
 
 
 def values(beam: Beam, z: np.ndarray, s: np.ndarray, *, left: bool = False) -> tuple[np.ndarray, ...]:
@@ -57,8 +66,8 @@ def values(beam: Beam, z: np.ndarray, s: np.ndarray, *, left: bool = False) -> t
 def test_the_energy_is_half_the_square_of_the_unknowns(beam: Beam, seed: int) -> None:
     z = random_unknowns(beam, seed)
     s, weights, segment = quadrature(beam, 0, 1)
-    kappa, gamma = fields(beam, z, s, segment)
-    energy = weights @ (beam.sections.EI(s) * kappa**2 + beam.sections.GA(s) * gamma**2) / 2
+    stiffness = beam.sections.EI(s), beam.sections.GA(s), beam.sections.EA(s)
+    energy = sum(weights @ (k * field**2) for k, field in zip(stiffness, fields(beam, z, s, segment), strict=True)) / 2
     assert z @ z / 2 == pytest.approx(energy, rel=1e-12)
 
 
@@ -68,12 +77,12 @@ def test_the_shape_is_the_integral_of_the_strains(beam: Beam, seed: int, stop: f
     modes = np.tile(np.arange(beam.modes), beam.segments * beam.fields)
     z = random_unknowns(beam, seed) / 3.0**modes  # fields as smooth as those of a finger
     s, weights, segment = quadrature(beam, 0, stop)
-    position, psi, theta, kappa = values(beam, z, np.array([stop]))
+    position, psi, along, kappa = values(beam, z, np.array([stop]))
     assert psi[0] == pytest.approx(weights @ fields(beam, z, s, segment)[0], abs=1e-12)
-    turn, shear = fields(beam, z, np.array([stop]), beam.segment_of(np.array([stop])))
-    assert (kappa[0], theta[0]) == pytest.approx((turn[0], psi[0] + shear[0]), abs=1e-12)
-    along = values(beam, z, s)[2]
-    assert abs(position[0] - weights @ np.exp(1j * along)) < 1e-9
+    turn, *strains = fields(beam, z, np.array([stop]), beam.segment_of(np.array([stop])))
+    assert kappa[0] == pytest.approx(turn[0], abs=1e-12)
+    assert along == pytest.approx(direction(beam.theory, psi, *strains), abs=1e-12)
+    assert abs(position[0] - weights @ values(beam, z, s)[2]) < 1e-9
 
 
 @given(beam=beams, seed=seeds)
@@ -82,14 +91,13 @@ def test_rows_are_the_values_linear_maps(beam: Beam, seed: int) -> None:
     z, s = random_unknowns(beam, seed), np.linspace(0, 1, 23)
     axis, segment = Axis.of(beam, z), beam.segment_of(s)
     rows = beam.rows(s, segment)
-    position, psi, theta, kappa = axis.values(s, segment)
-    mapped = (rows.strains[0], rows.strains[0] + rows.strains[1], rows.strains[2])
-    for map_, value in zip(mapped, (psi, theta, kappa), strict=True):
+    position, psi, along, kappa = axis.values(s, segment)
+    for map_, value in zip(rows.strains[[0, 2]], (psi, kappa), strict=True):
         assert map_ @ z == pytest.approx(value, abs=1e-12)
+    eps = rows.strains[5] @ z if beam.stretches else 0 * s
+    assert along == pytest.approx(direction(beam.theory, psi, rows.strains[1] @ z, eps), abs=1e-12)
     assert rows.position @ axis.direction == pytest.approx(position, abs=1e-12)
-    assert np.angle(axis.direction / np.exp(1j * axis.values(beam.gauss, beam.segment_of(beam.gauss))[2])) == (
-        pytest.approx(0, abs=1e-12)
-    )
+    assert axis.direction == pytest.approx(axis.values(beam.gauss, beam.segment_of(beam.gauss))[2], abs=1e-12)
 
 
 @given(beam=beams, seed=seeds)
@@ -170,9 +178,19 @@ def test_no_strain_changes_faster_than_its_bound(beam: Beam, seed: int) -> None:
         s, h = np.linspace(*beam.breaks[segment : segment + 2], 60), 1e-7
         inner, each = s[1:-1], np.full(58, segment)
         change = (beam.strains(z, inner + h, each) - beam.strains(z, inner - h, each)) / (2 * h)
-        slopes = (beam.rows(inner, each).strains @ z)[3 : 3 + beam.fields]
+        slopes = (beam.rows(inner, each).strains @ z)[[3, 4, 6] if beam.stretches else [3, 4]][: beam.fields]
         assert slopes == pytest.approx(change, abs=1e-5 * max(1.0, np.abs(change).max()))
-        assert (np.abs(slopes).max(axis=1) <= bounds[: beam.fields, segment] * (1 + 1e-12) + 1e-12).all()
+        assert np.abs(slopes[0]).max() <= bounds[0, segment] * (1 + 1e-12) + 1e-12
+        assert np.abs(slopes[1:]).sum(axis=0).max(initial=0.0) <= bounds[1, segment] * (1 + 1e-12) + 1e-12
+
+
+@given(beam=beams, seed=seeds, size=st.floats(0.01, 1.0))
+@settings(deadline=None)
+def test_no_axis_is_faster_or_slower_than_its_bounds(beam: Beam, seed: int, size: float) -> None:
+    z, s = random_unknowns(beam, seed, size), np.linspace(0, 1, 201)
+    speed, segment = np.abs(values(beam, z, s)[2]), beam.segment_of(s)
+    slowest, fastest = beam.speed_bounds(z)
+    assert (slowest[segment] - 1e-12 <= speed).all() and (speed <= fastest[segment] + 1e-12).all()
 
 
 def cantilever(finger: gr.Finger, force: float, theory: str, order: int = 14) -> tuple[complex, float, float]:
@@ -180,14 +198,14 @@ def cantilever(finger: gr.Finger, force: float, theory: str, order: int = 14) ->
     profile = sections(finger)
     beam = Beam(profile, (0.0, 0.5, 1.0), order, theory)
     tip, load = beam.rows(np.ones(1), np.array([1])), force / profile.force_scale
-    map_, weights = beam.theta_map, tip.position[0]
+    weights = tip.position[0]
 
     def energy(z: np.ndarray) -> tuple[float, np.ndarray]:
-        theta = map_ @ z
-        return z @ z / 2 - load * weights @ np.sin(theta), z - load * (weights * np.cos(theta)) @ map_
+        axis = Axis.of(beam, z)
+        return z @ z / 2 - load * weights @ axis.direction.imag, z - load * weights @ axis.turning.imag
 
     def hessian(z: np.ndarray) -> np.ndarray:
-        return np.eye(beam.size) + load * map_.T @ ((weights * np.sin(map_ @ z))[:, None] * map_)
+        return np.eye(beam.size) - Axis.of(beam, z).second_derivative(1j * load * weights)
 
     start = np.zeros(beam.size)
     answer = minimize(energy, start, jac=True, hess=hessian, method="trust-exact", options={"gtol": 1e-11})
@@ -222,10 +240,40 @@ def test_the_cantilever_with_shear_is_the_inextensible_model_s(row: list[float])
     assert (1 - tip.real, tip.imag) == pytest.approx((shortening, deflection), 1e-5)
 
 
+@pytest.mark.parametrize(
+    "row", EXACT["cantilever with shear, EI = 10, L = 1, P = 10: Reissner beam with EA = infinity "
+                 "(Batista 2016, IJSS 87) and the inextensible model"]["rows"], ids=lambda row: f"GA = {row[0]}",
+)  # fmt: skip
+def test_the_cantilever_with_stretch_is_reissner_s_as_its_axial_stiffness_grows(row: list[float]) -> None:
+    """Batista's table: the tip of a finger of EA = 12 EI / w^2 lies off it by c / EA, so two of them give the limit."""
+    GA, shortening, deflection, *_ = row
+    tips = []
+    for w in (0.02, 0.01):
+        material = gr.Material(youngs_modulus=120 / w**3, poisson_ratio=0.3)
+        material = replace(material, shear_modulus=GA / (material.shear_coefficient * w))
+        tips.append(cantilever(unit_finger(w, material=material), 10.0, "stretch")[0])
+    limit = tips[1] + (tips[1] - tips[0]) / 3  # EA grows by a factor of 4
+    assert (1 - limit.real, limit.imag) == pytest.approx((shortening, deflection), abs=1e-6)
+
+
+@pytest.mark.parametrize("w", [0.05, 0.2])
+def test_a_finger_pulled_along_its_axis_is_longer_by_P_over_EA(w: float) -> None:
+    """Not bent; the load's place has no part in it: a column of Hooke."""
+    profile = sections(unit_finger(w))
+    beam = Beam(profile, (0.0, 0.5, 1.0), 3, "stretch")
+    pull = 2.0
+    weights, z = beam.rows(np.ones(1), np.array([1])).position[0], np.zeros(beam.size)
+    for _ in range(3):
+        axis = Axis.of(beam, z)
+        hessian = np.eye(beam.size) - axis.second_derivative(pull * weights + 0j)
+        z = z - np.linalg.solve(hessian, z - pull * weights @ axis.turning.real)
+    assert values(beam, z, np.ones(1))[0][0] == pytest.approx(1 + pull * w**2 / 12, abs=1e-12)
+
+
 def test_whitening_holds_for_profiles_that_no_quadrature_integrates_exactly() -> None:
     wide = replace(TAPERED, width=gr.fingers.S * 0.1 + 0.01, material=RUBBER)
     beam = Beam(sections(wide), (0.0, 0.4, 1.0), 6, "shear")
     z = random_unknowns(beam, 0)
     s, weights, segment = quadrature(beam, 0, 1)
-    kappa, gamma = fields(beam, z, s, segment)
+    kappa, gamma, _ = fields(beam, z, s, segment)
     assert z @ z == pytest.approx(weights @ (beam.sections.EI(s) * kappa**2 + beam.sections.GA(s) * gamma**2))

@@ -13,11 +13,11 @@ from hypothesis import strategies as st
 
 import gripper as gr
 from gripper.assemble import setting
+from gripper.axis import Axis
 from gripper.beam import Beam
 from gripper.certificate import DEPTH, Survey, survey
 from gripper.equilibrium import Setting, State
 from gripper.obstacle import Frame, Obstacle
-from gripper.outline import Axis
 from gripper_plugins.objects.circle import Circle
 from gripper_plugins.objects.ellipse import Ellipse
 from gripper_plugins.objects.implicit import Implicit
@@ -46,7 +46,7 @@ def fixed(finger: str, body: str, theory: str = "shear") -> Setting:
 
 def deflected(finger: str, body: str, seed: int, size: float = 1.0) -> tuple[Setting, State]:
     found, random = fixed(finger, body), np.random.default_rng(seed)
-    beam = Beam(found.sections, (0.0, 0.45, 1.0), 4, "shear")
+    beam = Beam(found.sections, (0.0, 0.45, 1.0), 4, ("shear", "stretch")[seed % 2])
     modes = np.tile(np.arange(beam.modes), beam.segments * beam.fields)
     return found, State(beam, size * random.normal(size=beam.size) / 3.0 ** (modes + 1))
 

@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 import gripper as gr
+from gripper.axis import Axis
 from gripper.beam import Beam
 from gripper.contact import Linearisation, Site, linearise
 from gripper.obstacle import Frame, Obstacle
-from gripper.outline import LOWER, UPPER, Axis, Outline
+from gripper.outline import LOWER, UPPER, Outline
 from gripper.sections import sections
 from gripper_plugins.jaws.polygon import PolygonJaw
 from gripper_plugins.objects.ellipse import Ellipse

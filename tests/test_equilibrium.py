@@ -11,11 +11,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import gripper as gr
+from gripper.axis import Axis
 from gripper.beam import Beam
 from gripper.contact import Site, linearise
 from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, kkt_step, settle
 from gripper.kinematics import Kinematics
-from gripper.outline import Axis
 from gripper_plugins.objects.circle import Circle
 from gripper_plugins.objects.polygon import Polygon
 from tests.scenes import Q, Solved, follow, micro_assembly, rotating_finger, unit_finger

@@ -10,8 +10,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from gripper.axis import Axis
 from gripper.beam import Beam
-from gripper.outline import LOWER, UPPER, Axis, Outline, second_derivative
+from gripper.outline import LOWER, UPPER, Outline, second_derivative
 from gripper.sections import sections
 from gripper_plugins.jaws.polygon import PolygonJaw
 from gripper_plugins.jaws.triangle import Triangle
@@ -39,7 +40,7 @@ def beam_of(outline: Outline, theory: str = "shear") -> Beam:
 def somewhere(outline: Outline, seed: int) -> tuple[Beam, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """A beam, its unknowns, and one place on every piece and corner of the outline, away from breaks."""
     random = np.random.default_rng(seed)
-    beam = beam_of(outline, ("bending", "shear")[seed % 2])
+    beam = beam_of(outline, ("bending", "shear", "stretch")[seed % 3])
     modes = np.tile(np.arange(beam.modes), beam.segments * beam.fields)
     z = random.normal(size=beam.size) / 4.0 ** (modes + 1)  # as smooth as a finger: the axis is then its own integral
     lengths = [piece.length for piece in outline.pieces] + [0.0] * len(outline.corners)

@@ -190,10 +190,8 @@ REFUSED = {
     SCENE + "[approach]\ndirection = [0, 0]\n": "approach.direction: must be a direction other than (0, 0)",
     SCENE + "[approach]\ndirection = [0]\n": "approach.direction: must have 2 entries",
     SCENE + "[approach]\nfrom = [0, 1]\n": "approach.from: must be a known key: direction",
-    SCENE
-    + '[solver]\ntheory = "stretch"\n': "solver.theory: must be one of auto, bending, shear (stretch is not built yet)",
-    SCENE + '[solver]\ntheory = "shera"\n': "solver.theory: must be one of auto, bending, shear; got 'shera'",
-    SCENE + "[solver]\ntheory = []\n": "solver.theory: must be one of auto, bending, shear; got []",
+    SCENE + '[solver]\ntheory = "shera"\n': "solver.theory: must be one of auto, bending, shear, stretch; got 'shera'",
+    SCENE + "[solver]\ntheory = []\n": "solver.theory: must be one of auto, bending, shear, stretch; got []",
     SCENE + "[solver]\ntolerance = 0.5\n": "solver.tolerance: must lie between 1e-12 and 0.1; got 0.5",
     SCENE + "[solver]\ntolerance = -1\n": "solver.tolerance: must be a positive number",
     # friction

@@ -200,9 +200,6 @@ def _approach(table: Table, place: Place) -> Table:
 
 def _solver(table: Table, place: Place) -> Table:
     check_keys(table, ("theory", "tolerance", "theory_tolerance"), place)
-    if table.get("theory") == "stretch":
-        rule = f"must be one of {', '.join(get_args(Theory))} (stretch is not built yet)"
-        raise place.at("theory").error(rule, "'stretch'")
     _choice(table, "theory", get_args(Theory), place)
     numbers = {key: read_number(table[key], place.at(key)) for key in table if key.endswith("tolerance")}
     return table | numbers

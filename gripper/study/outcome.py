@@ -9,11 +9,12 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from gripper.arrays import Array, Complex, Index
+from gripper.axis import Axis
 from gripper.contact import Linearisation
 from gripper.equilibrium import Setting, State
 from gripper.objects import Object
 from gripper.obstacle import Obstacle
-from gripper.outline import LOWER, UPPER, Axis
+from gripper.outline import LOWER, UPPER
 from gripper.study.shooting import MARKS, Shot
 
 QUANTITIES = ("force", "energy", "place", "shape", "depth")
