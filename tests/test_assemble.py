@@ -148,13 +148,17 @@ def test_what_a_scene_does_not_need_is_left_out_and_named_with_its_reason() -> N
     for word in ("friction", "shear", "stretch", "jaw"):
         assert word in absent(plain)
     assert "shear" not in absent(replace(plain, theory="shear"))
+    assert "stretch" in absent(replace(plain, theory="shear")) and "stretch" not in absent(
+        replace(plain, theory="stretch")
+    )
     assert "jaw" not in absent(replace(plain, finger=STRAIGHT))
     assert gr.solve(plain).model.left_out == gr.assemble(plain).left_out
 
 
-def test_bending_alone_has_half_the_unknowns() -> None:
+def test_each_theory_has_its_fields_unknowns_and_no_more() -> None:
     scene = SCENES["circle, shear"]
-    assert 2 * gr.assemble(replace(scene, theory="bending")).size == gr.assemble(scene).size
+    sizes = [gr.assemble(replace(scene, theory=theory)).size for theory in ("bending", "shear", "stretch")]
+    assert sizes == [sizes[0], 2 * sizes[0], 3 * sizes[0]]
 
 
 def test_an_object_out_of_reach_leaves_a_problem_without_constraints() -> None:

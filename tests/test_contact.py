@@ -148,7 +148,7 @@ DERIVATIVES = {
 }
 
 
-@pytest.mark.parametrize("theory", ["bending", "shear"])
+@pytest.mark.parametrize("theory", ["bending", "shear", "stretch"])
 @pytest.mark.parametrize(("name", "outline", "site"), cases(), ids=[name for name, *_ in cases()])
 def test_every_derivative_of_the_contact_equations_is_exact(
     name: str, outline: Outline, site: Site, theory: str
@@ -164,7 +164,7 @@ def test_every_derivative_of_the_contact_equations_is_exact(
             assert exact == pytest.approx(difference, abs=2e-7 * scale), f"d {quantity} / d {argument}"
 
 
-@pytest.mark.parametrize("theory", ["bending", "shear"])
+@pytest.mark.parametrize("theory", ["bending", "shear", "stretch"])
 @pytest.mark.parametrize(("name", "outline", "site"), cases(), ids=[name for name, *_ in cases()])
 def test_the_load_is_the_virtual_work_of_the_contact_forces(
     name: str, outline: Outline, site: Site, theory: str

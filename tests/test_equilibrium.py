@@ -38,6 +38,8 @@ SCENES = {
     "jaw corner": lambda q=0.0: micro_assembly(0.060 + q, tolerance=1e-8),
     "vertex, bending": lambda q=0.0: wedge(0.1 + q, "bending"),
     "vertex, shear": lambda q=0.0: wedge(0.1 + q, "shear"),
+    "patch, stretch": lambda q=0.0: rotating_finger(-0.0254 + q, theory="stretch", tolerance=1e-8),
+    "vertex, stretch": lambda q=0.0: wedge(0.1 + q, "stretch"),
 }
 names = pytest.mark.parametrize("name", SCENES)
 

@@ -334,6 +334,13 @@ def test_work_is_stored_or_lost_at_every_step(example_1, example_2):
         assert balance(result.poses).max() < 1e-4
 
 
+def test_work_is_stored_or_lost_where_the_axis_stretches_too():
+    """The way along the finger is measured along its stretched face, or slip would work on what is not there."""
+    poses = gr.trace(rotating_finger(*RISING, theory="stretch", friction=SLIPPERY)).poses
+    assert {"slip", "stick"} == {contact.state for pose in poses for contact in pose.contacts}
+    assert balance(poses).max() < 1e-4
+
+
 def test_the_motion_s_force_is_the_slope_of_work_also_with_friction():
     values = np.linspace(0.07, 0.066, 9)
     poses = gr.trace(micro_assembly(0.086, *values.tolist(), friction=ROUGH)).poses[1:]

@@ -46,6 +46,18 @@ def test_auto_takes_the_cheapest_theory_that_suffices_for_every_pose(name: str) 
         assert chosen.force_on_object == pytest.approx(asked.force_on_object, rel=1e-9)
 
 
+def test_a_finger_that_stretches_much_is_given_the_theory_that_has_it() -> None:
+    scene = gr.Scene(finger=unit_finger(0.15, material=PLASTIC), object=pin(0.7, 0.25, 0.15))
+    shear, stretch = (gr.solve(replace(scene, theory=theory)) for theory in ("shear", "stretch"))
+    change = math.dist(shear.force_on_object, stretch.force_on_object) / math.hypot(*shear.force_on_object)
+    assert 1e-3 < change < 5e-3
+    loose, strict = gr.solve(scene), gr.solve(replace(scene, theory_tolerance=1e-3))
+    assert (loose.model.theory, strict.model.theory) == ("shear", "stretch")
+    assert loose.poses[0].error.next_theory == pytest.approx(change, rel=0.05)
+    assert strict.poses[0].error.next_theory is None
+    assert strict.force_on_object == pytest.approx(stretch.force_on_object, rel=1e-9)
+
+
 def test_a_single_pose_is_judged_as_a_motion_s_is() -> None:
     material = gr.Material(youngs_modulus=2.6e9, poisson_ratio=0.35)
     for thickness, expected in ((0.01, RUNGS[0]), (0.15, "shear")):

@@ -129,7 +129,9 @@ def scenes(draw: st.DrawFn, bodies: st.SearchStrategy, jaws: st.SearchStrategy, 
     w = finger.thickness if isinstance(finger, Uniform) else finger.base_thickness
     x, y = round(draw(between(*at)) - top.real, 4), round(draw(between(*deep)) - w / 2 - top.imag, 4)
     return gr.Scene(
-        finger=finger, object=body.at(x=x, y=y, angle=angle), theory=draw(st.sampled_from(["bending", "shear"]))
+        finger=finger,
+        object=body.at(x=x, y=y, angle=angle),
+        theory=draw(st.sampled_from(["bending", "shear", "stretch"])),
     )
 
 

@@ -223,6 +223,8 @@ def test_what_has_no_derivative_is_refused():
         result.sensitivity("friction.coefficient")
     with pytest.raises(ValueError, match="equilibria are never written or pickled"):
         pickle.loads(pickle.dumps(result)).sensitivity("finger.length")
+    with pytest.raises(ValueError, match="theory must be one of bending, shear, to be differentiated; got 'stretch'"):
+        gr.solve(dataclasses.replace(ELLIPTIC, theory="stretch")).sensitivity("finger.length")
     published = gr.Friction(coefficient=0.1, model="published", sense="tipward")
     with pytest.raises(ValueError, match="model of friction must be 'coulomb'"):
         gr.solve(dataclasses.replace(ELLIPTIC, friction=published)).sensitivity("finger.length")

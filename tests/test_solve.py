@@ -69,6 +69,7 @@ SCENES = {
         theory="shear",
     ),
 }
+SCENES["flank, stretch"] = replace(SCENES["flank, shear"], theory="stretch")
 ANSWERS = {name: answer(scene) for name, scene in SCENES.items()}
 named = pytest.mark.parametrize("name", SCENES)
 
@@ -128,6 +129,7 @@ MIRRORED_BODIES = {
     "flank, bending": lambda body: body,
     "flank, shear": lambda body: body,
     "tip corner": lambda body: body,
+    "flank, stretch": lambda body: body,
     "jaw": lambda body: body,
     "wedge": lambda body: replace(body, vertices=tuple((x, -y) for x, y in body.vertices)),
 }
@@ -212,7 +214,7 @@ def test_a_thick_finger_on_a_circle_bends_like_a_line_on_a_larger_circle(
 # ---- Grazing, and the sides from which an object may come.
 
 
-@pytest.mark.parametrize("theory", ["bending", "shear"])
+@pytest.mark.parametrize("theory", ["bending", "shear", "stretch"])
 @pytest.mark.parametrize("depth", [1e-3, 1e-5, 1e-6, 1e-7, 1e-8])
 def test_force_and_gap_are_continuous_at_grazing(depth: float, theory: str) -> None:
     """A finger pushed by d at s = 1/2 resists with 24 EI d / L^3 (and a little less with shear)."""
