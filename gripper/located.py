@@ -117,6 +117,8 @@ class Course:
 
     def extremes(self) -> Extremes:
         """What is largest or least, in SI units; None what is not known."""
+        if all(pose.status == "failed" for pose in self.poses):
+            return Extremes()
         work_in, work_out, dissipation = self._work()
         return Extremes(
             insertion_force=self._force(0),

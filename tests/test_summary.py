@@ -156,6 +156,14 @@ def test_failed_poses_are_told():
     assert (failed.summary().failed, failed.summary().poses) == (1, 8)
 
 
+def test_where_every_pose_failed_no_number_is_known():
+    on_the_clamp = Circle(radius=0.01).at(x=Q, y=0.0)
+    motion = gr.Motion("q", (0.0, 1e-3))
+    summary = gr.trace(gr.Scene(finger=unit_finger(), object=on_the_clamp, motion=motion)).summary()
+    assert (summary.failed, summary.poses) == (2, 2)
+    assert all(getattr(summary, name) is None for name in QUANTITIES if name != "locking_margin")
+
+
 def test_the_summary_is_in_the_results_file_and_on_one_screen():
     result = gr.trace(hook(8, 0.2, back=True))
     summary = result.summary()
