@@ -32,7 +32,7 @@ FREE |= {"finger.pose.x": (-0.03, 0.03), "finger.pose.y": (-0.03, 0.03)}
 
 def main(folder: str | Path = ".") -> gr.Optimum:
     """Search, and write every design tried (CSV) and the force before and after (PNG) into the folder."""
-    best = gr.optimize(scene, FREE, flatten="force_on_object", starts=1, iterations=30)
+    best = gr.optimize(scene, FREE, flatten="force_on_object", starts=1, iterations=10)
     Path(folder, "constant_force.csv").write_text(best.history_csv())
     figure = Figure(figsize=(5.5, 3.5), layout="constrained")
     axes = figure.add_subplot(xlabel="angle of the finger in degrees, falling", ylabel="force on the ellipse in N")

@@ -22,6 +22,7 @@ from gripper.sensitivity.opened import NotOpenError
 from gripper_plugins.fingers.tapered import Tapered
 from gripper_plugins.objects.circle import Circle
 from gripper_plugins.objects.ellipse import Ellipse
+from gripper_plugins.objects.polygon import Polygon
 from tests.scenes import PLASTIC, RUBBER, follow, micro_assembly, rotating_finger, unit_finger
 
 ROUGH, SLIPPERY = gr.Friction(coefficient=0.3), gr.Friction(coefficient=0.2)
@@ -203,6 +204,19 @@ def test_a_free_finger_moves_with_its_clamp_alone():
     assert longer.force_on_object == (0, 0)
     np.testing.assert_allclose(turned.tip, [-0.057 * math.sin(0.001), 0.057 * math.cos(0.001)], rtol=1e-12)
     np.testing.assert_allclose(longer.tip, [math.cos(0.001), math.sin(0.001)], rtol=1e-12)
+
+
+def test_an_object_without_a_formula_is_differentiated_by_its_pose_alone():
+    square = Polygon(vertices=((-0.02, -0.02), (0.02, -0.02), (0.02, 0.02), (-0.02, 0.02)))
+    scene = dataclasses.replace(ELLIPTIC, object=square.at(x=0.12, y=-0.03, angle=0.5))
+    result = gr.solve(scene)
+    found = result.sensitivities()
+    slopes = [found[f"object.pose.{axis}"].energy for axis in ("x", "y", "angle")]
+    expected = [*(-f for f in result.force_on_object), -result.moment_on_object]
+    np.testing.assert_allclose(slopes, expected, rtol=1e-4)  # on the square's corner
+    assert not any(key.startswith("object.vertices") for key in found)
+    with pytest.raises(NotOpenError, match="Polygon must be an ImplicitSurface"):
+        result.sensitivity("object.vertices[0][0]")
 
 
 def test_a_pose_without_an_answer_has_no_derivative_and_says_why():

@@ -10,9 +10,13 @@ import numpy as np
 
 from gripper.kept import Kept
 from gripper.parameters import number, numbers
+from gripper.pose import placed
 from gripper.pose_result import PoseResult, Record, Vector, jsonable
+from gripper.scene import Scene
 from gripper.sensitivity.limits import THEORIES, refusal, side
 from gripper.sensitivity.numbers import Table, free_rates, pose_rates
+from gripper.sensitivity.object_rates import ObjectRates
+from gripper.sensitivity.opened import NotOpenError
 from gripper.sensitivity.seeds import Seeds
 from gripper.sensitivity.summary_rates import Rows, summary_rates
 
@@ -114,7 +118,8 @@ def sensitivities(result: Result, keys: Sequence[str] | None = None) -> dict[str
     result
         From :func:`gripper.solve` or :func:`gripper.trace` in this process.
     keys
-        Numbers of its scene; by default all.
+        Numbers of its scene; by default all by which it can be differentiated: not those of an object's own shape
+        where no formula in sympy gives it (polygons, splines, unions).
 
     Raises
     ------
@@ -125,7 +130,7 @@ def sensitivities(result: Result, keys: Sequence[str] | None = None) -> dict[str
     """
     scene = result.scene
     known = numbers(scene)
-    keys = list(known) if keys is None else list(dict.fromkeys(keys))
+    keys = _differentiable(scene, known) if keys is None else list(dict.fromkeys(keys))
     values = {key: known[key] if key in known else number(scene, key) for key in keys}
     refusal(scene)
     kept = [_kept(pose) for pose in result.poses]
@@ -150,6 +155,17 @@ def sensitivities(result: Result, keys: Sequence[str] | None = None) -> dict[str
         )
         for i, key in enumerate(keys)
     }
+
+
+def _differentiable(scene: Scene, known: Mapping[str, float]) -> list[str]:
+    """All numbers, without an object's own where its formula is none of sympy's."""
+    own = {key.split(".", 1)[1]: v for key, v in known.items() if key.startswith("object.")}
+    own = {key: value for key, value in own.items() if not key.startswith("pose.")}
+    try:
+        ObjectRates(placed(scene.object).body, own)
+    except NotOpenError:
+        return [key for key in known if key.removeprefix("object.") not in own or not key.startswith("object.")]
+    return list(known)
 
 
 def _kept(pose: PoseResult) -> Kept | None:
