@@ -36,7 +36,7 @@ def main(folder: str | Path = "out/rotating_finger") -> gr.Result:
     Path(folder).mkdir(parents=True, exist_ok=True)
     result.filmstrip(drawn).savefig(Path(folder, "rotating_finger.png"))
     result.curve().savefig(Path(folder, "force.png"))
-    result.animate(Path(folder, "rotating_finger.gif"))
+    result.animate(Path(folder, "rotating_finger.gif"), pixels=440)
     return result
 
 

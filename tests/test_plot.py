@@ -25,8 +25,10 @@ from matplotlib.path import Path
 from matplotlib.quiver import Quiver
 from matplotlib.text import Text
 from PIL import Image
+from typer.testing import CliRunner
 
 from gripper import output, plot
+from gripper.cli import app
 from gripper.fingers import Material
 from gripper.objects import Object
 from gripper.plot.filmstrip import MOST_SNAPSHOTS
@@ -527,3 +529,38 @@ def test_scenes_of_one_pose_stand_beside_each_other_to_one_scale() -> None:
         plot.beside({})
     with pytest.raises(ValueError, match="holds 2 poses"):
         plot.beside({"moving": motion([0.1, 0.2])})
+
+
+GALLERY = pathlib.Path(__file__).parents[1] / "gallery"
+
+
+def command(*arguments: object) -> tuple[int, str, str]:
+    outcome = CliRunner().invoke(app, ["animate", *(str(each) for each in arguments)])
+    return outcome.exit_code, outcome.stdout, outcome.stderr
+
+
+def test_the_command_animates_a_scene_file(tmp_path: pathlib.Path) -> None:
+    scene = (GALLERY / "micro_assembly.toml").read_text().replace("poses = 37", "poses = 4")
+    (tmp_path / "scene.toml").write_text(scene)
+    path = tmp_path / "films" / "a.gif"
+    assert command(tmp_path / "scene.toml", "-o", path, "--pixels", 200) == (0, f"{path}\n", "")
+    with Image.open(path) as film:
+        assert (film.n_frames, film.width) == (4, 200)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [(["-o", "a.avi"], "path must end in .gif or .mp4; got 'a.avi'"), (["--seconds", 0], "seconds must be a positive")],
+)
+def test_the_command_refuses_before_it_solves(arguments: list, said: str, tmp_path: pathlib.Path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    status, out, err = command(GALLERY / "micro_assembly.toml", *arguments)
+    assert (status, out) == (2, "")
+    assert said in err
+    assert len(err.splitlines()) == 1
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_readme_s_pictures_are_small() -> None:
+    for name in ("rotating_finger.png", "rotating_finger.gif"):
+        assert (GALLERY / name).stat().st_size < 400_000

@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from gripper.cli.animate import animate as _animate
 from gripper.cli.check import check as _check
 from gripper.cli.explain import explain as _explain
 from gripper.cli.optimize import optimize as _optimize
@@ -25,6 +26,7 @@ app = typer.Typer(
     help="Bent shape and contact forces of compliant fingers.",
 )
 app.command("run")(_run)
+app.command("animate")(_animate)
 app.command("check")(_check)
 app.command("sweep")(_sweep)
 app.command("tolerance")(_tolerance)

@@ -4,7 +4,7 @@ Figures are made without pyplot: nothing global changes, no display is needed, a
 SVG they repeat bit for bit. ``result.filmstrip()``, ``result.curve()`` and ``result.animate()`` call these.
 """
 
-from gripper.plot.animation import animate
+from gripper.plot.animation import animate, check_film
 from gripper.plot.curve import QUANTITIES, curve
 from gripper.plot.filmstrip import beside, filmstrip
 from gripper.plot.sketch import Axis
@@ -19,6 +19,7 @@ __all__ = [
     "Picture",
     "animate",
     "beside",
+    "check_film",
     "curve",
     "filmstrip",
     "styled",

@@ -22,6 +22,7 @@ from gripper.plot.sketch import Axis, union
 from gripper.plot.style import INCH, INK, Picture, styled
 from gripper.plot.units import parameter_unit
 from gripper.result import Result
+from gripper.scene import Scene
 
 if TYPE_CHECKING:
     from PIL import Image as Images
@@ -75,13 +76,8 @@ def animate(
         size that is not positive.
     """
     path = Path(path)
-    write = _writer(path)
-    if result.scene.motion is None:
-        raise ValueError("result must hold a motion, of several poses, for a film; got one pose without motion")
-    if not seconds > 0:
-        raise ValueError(f"seconds must be a positive number, in s; got {seconds!r}")
-    if not pixels >= 100:
-        raise ValueError(f"pixels must be at least 100; got {pixels!r}")
+    check_film(result.scene, path, seconds, pixels)
+    write = _write_gif if path.suffix.lower() == ".gif" else _write_mp4
     chosen = _chosen(len(result.poses), seconds)
     rate = round(min(max(len(chosen) / seconds, _SLOWEST), _FASTEST))
     with styled():
@@ -93,6 +89,21 @@ def animate(
         finally:
             draft.unlink(missing_ok=True)
     return path
+
+
+def check_film(scene: Scene, path: Path, seconds: float, pixels: int) -> None:
+    """Check what :func:`animate` is given, before anything is solved; it raises the same errors."""
+    ending = path.suffix.lower()
+    if ending not in (".gif", ".mp4"):
+        raise ValueError(f"path must end in .gif or .mp4; got {str(path)!r}")
+    if ending == ".mp4" and shutil.which("ffmpeg") is None:
+        raise ValueError(f"path must end in .gif, for ffmpeg, which writes .mp4, is not on the PATH; got {str(path)!r}")
+    if scene.motion is None:
+        raise ValueError("result must hold a motion, of several poses, for a film; got one pose without motion")
+    if not seconds > 0:
+        raise ValueError(f"seconds must be a positive number, in s; got {seconds!r}")
+    if not pixels >= 100:
+        raise ValueError(f"pixels must be at least 100; got {pixels!r}")
 
 
 def _chosen(poses: int, seconds: float) -> list[int]:
@@ -159,15 +170,6 @@ class _Film:
 def _canvas(figure: Picture) -> Any:
     """Give a canvas, whose methods carry no types."""
     return FigureCanvasAgg(figure)
-
-
-def _writer(path: Path) -> Callable[[Path, _Film, int, Progress], None]:
-    ending = path.suffix.lower()
-    if ending not in (".gif", ".mp4"):
-        raise ValueError(f"path must end in .gif or .mp4; got {str(path)!r}")
-    if ending == ".mp4" and shutil.which("ffmpeg") is None:
-        raise ValueError(f"path must end in .gif, for ffmpeg, which writes .mp4, is not on the PATH; got {str(path)!r}")
-    return _write_gif if ending == ".gif" else _write_mp4
 
 
 def _write_mp4(path: Path, film: _Film, rate: int, progress: Progress) -> None:
