@@ -63,16 +63,28 @@ def trace(scene: Scene, progress: Callable[[int, int], None] | None = None) -> R
     """
     if scene.motion is None:
         raise ValueError("scene must have a motion; gripper.solve(scene) takes one pose")
+    report = _Forward(progress)
     for theory in rungs(scene):
-        result = _followed(scene, scene.motion.values, theory, progress)
+        result = _followed(scene, scene.motion.values, theory, report)
         if suffices(scene, theory, result.poses[-1]):
             break
     return result
 
 
-def _followed(
-    scene: Scene, values: Sequence[float], theory: BeamTheory, progress: Callable[[int, int], None] | None
-) -> Result:
+class _Forward:
+    """Progress that never goes back: a motion that starts again with a richer theory is silent until it is as far."""
+
+    def __init__(self, progress: Callable[[int, int], None] | None) -> None:
+        self.progress, self.furthest = progress, 0
+
+    def __call__(self, done: int, total: int) -> None:
+        """Tell how many poses are done, if there are more than ever before."""
+        if self.progress is not None and done > self.furthest:
+            self.furthest = done
+            self.progress(done, total)
+
+
+def _followed(scene: Scene, values: Sequence[float], theory: BeamTheory, report: _Forward) -> Result:
     """The motion by one theory, up to the first pose that shows that it does not suffice."""
     fixed = setting(scene, theory)
     kinematics = Kinematics(scene, fixed.sections.length)
@@ -85,8 +97,7 @@ def _followed(
             poses.append(follower.pose(value))
             if not suffices(scene, theory, poses[-1]):
                 break
-            if progress is not None:
-                progress(done, len(values))
+            report(done, len(values))
     except KeyboardInterrupt:
         if not poses:
             raise

@@ -17,7 +17,10 @@ from gripper.validity import crosses, plane_difference, warnings
 from gripper_plugins.objects import Circle
 from tests.scenes import PLASTIC, RISING, micro_assembly, rotating_finger, unit_finger
 
-LADDER = {"rotating finger": rotating_finger(-0.1016, -0.0254, 0.0508), "jaw": micro_assembly(0.077, 0.065, 0.058)}
+LADDER = {
+    "rotating finger": rotating_finger(-0.1016, -0.0254, 0.0508, theory="auto"),
+    "jaw": micro_assembly(0.077, 0.065, 0.058, theory="auto"),
+}
 SCENES = list(LADDER)
 
 
@@ -56,6 +59,13 @@ def test_a_finger_that_stretches_much_is_given_the_theory_that_has_it() -> None:
     assert loose.poses[0].error.next_theory == pytest.approx(change, rel=0.05)
     assert strict.poses[0].error.next_theory is None
     assert strict.force_on_object == pytest.approx(stretch.force_on_object, rel=1e-9)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_progress_never_goes_back_when_a_motion_starts_again(name: str) -> None:
+    told: list[tuple[int, int]] = []
+    gr.trace(LADDER[name], progress=lambda done, total: told.append((done, total)))
+    assert told == [(1, 3), (2, 3), (3, 3)]
 
 
 def test_a_single_pose_is_judged_as_a_motion_s_is() -> None:

@@ -32,6 +32,7 @@ def passing(*values: float, height: float = -0.1, **options: object) -> gr.Scene
 def rising(*values: float, x: float = 0.6, **options: object) -> gr.Scene:
     """A circle that rises from below."""
     finger = unit_finger()
+    options = {"theory": "shear", **options}
     return gr.Scene(finger=finger, object=ROUND.at(x=x, y=Q), motion=gr.Motion("q", values), **options)
 
 
