@@ -193,8 +193,8 @@ def _gripper(scene: Scene, tolerance: float) -> Prepared:
         cold()
         return _approached(asked, fixed, order)
 
-    segments = fixed.beam((), order).size * 2
-    return Prepared(cold=cold, warm=lambda: tracker().step(), outcome=outcome, unknowns=segments)
+    unknowns = fixed.beam((), order).size * 2  # a contact cuts the finger in two
+    return Prepared(cold=cold, warm=lambda: tracker().step(), outcome=outcome, unknowns=unknowns)
 
 
 def _chain(scene: Scene, N: float) -> Prepared:
