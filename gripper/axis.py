@@ -37,7 +37,7 @@ class Axis:
     @classmethod
     def of(cls, beam: Beam, z: Array) -> Axis:
         """The axis of these unknowns."""
-        turned = np.exp(1j * (beam.theta_map @ z))
+        turned = np.exp(1j * (beam.theta_map @ z + beam.rest_angle))
         if not beam.stretches:
             return cls(beam, z, turned, turned)
         gamma, eps = beam.strain_maps @ z
@@ -68,8 +68,13 @@ class Axis:
         return self.beam.series(self.z, self.direction)
 
     def values(self, s: Array, segment: Index) -> tuple[Complex, Array, Complex, Array]:
-        """Position x + iy, psi, r' and kappa (k,) at stations s (k,) of given segments (k,)."""
+        """Position x + iy, psi, r' and kappa (k,) at stations s (k,) of given segments (k,).
+
+        Kappa is the strain: psi' less the curvature at rest.
+        """
         x, y, psi, kappa, *strains = self.beam.read(self._series, s, segment).T
+        if self.beam.sections.rest is not None:
+            psi = psi + self.beam.sections.rest.angle(s)
         if len(strains) == 2:
             gamma, eps = strains
             return x + 1j * y, psi, np.exp(1j * psi) * (1 + eps + 1j * gamma), kappa
@@ -77,14 +82,14 @@ class Axis:
 
 
 def course(turn: Complex, strains: Array) -> Course:
-    """Direction of the axis where the section has turned by exp(i psi).
+    """Direction of the axis where the section has turned by exp(i psi): r' and its derivatives.
 
     Parameters
     ----------
     turn
         exp(i psi), (k,).
     strains
-        gamma, kappa, kappa', gamma' and, with stretch, eps and eps', (4 or 6, k).
+        gamma, psi', psi'', gamma' and, with stretch, eps and eps', (4 or 6, k).
     """
     if len(strains) == 4:
         gamma, kappa, _, gamma1 = strains

@@ -162,6 +162,11 @@ class Beam:
         return theta.reshape(-1, self.size)
 
     @functools.cached_property
+    def rest_angle(self) -> Array | float:
+        """How far the unloaded section has turned at the Gauss points, (g,); 0 where the finger is straight at rest."""
+        return 0.0 if self.sections.rest is None else self.sections.rest.angle(self.gauss)
+
+    @functools.cached_property
     def strain_maps(self) -> Array:
         """Gamma and eps at the Gauss points, (2, g, n); with stretch alone."""
         q, m, each = self._rule.x.size, self.modes, np.arange(self.segments)
@@ -247,6 +252,8 @@ class Beam:
 
     def series(self, z: Array, direction: Complex) -> Array:
         """Legendre coefficients of x, y, psi and the strains on each segment: (segments, q + 1, 3 + fields).
+
+        Psi is what the strains turn the section by: the rest shape's part is no polynomial.
 
         Parameters
         ----------

@@ -192,6 +192,8 @@ class _ArcBounds:
 
     def __init__(self, setting: Setting, state: State) -> None:
         self.kappa_slope, self.strain_slope = state.beam.slope_bounds(state.z)
+        if setting.sections.rest is not None:
+            self.kappa_slope = self.kappa_slope + setting.sections.rest.bounds[1]
         self.slowest, self.fastest = state.beam.speed_bounds(state.z)
         self.thickness = setting.sections.thickness_bounds
 

@@ -110,12 +110,16 @@ class Finger(Placeable, ABC):
         What it is made of.
     jaw
         A rigid jaw at its end, or None.
+    rest_curvature
+        Curvature kappa0(s) of the unloaded axis, in 1/m: a number or an expression in s, positive towards the upper
+        face; None for a straight finger.
     """
 
     length: Positive
     width: Profile
     material: Material
     jaw: Jaw | None = None
+    rest_curvature: Profile | None = None
 
     def __post_init__(self) -> None:
         check_fields(self)

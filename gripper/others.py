@@ -48,7 +48,8 @@ def other_solutions(setting: Setting, equilibrium: Equilibrium, heading: float) 
 
 def is_clear(setting: Setting, obstacle: Obstacle, order: int) -> bool:
     """Whether the straight finger does not touch the object."""
-    if float(np.min(obstacle.gap(_straight(setting)))) < 0:  # quickly told, most often
+    straight_at_rest = setting.sections.rest is None
+    if straight_at_rest and float(np.min(obstacle.gap(_straight(setting)))) < 0:  # quickly told, most often
         return False
     beam = setting.beam((), order)
     straight = settle(setting, obstacle, State(beam, np.zeros(beam.size)), order)

@@ -173,12 +173,14 @@ class Outline:
         return s, P, P1, P2
 
     def trace(self, axis: Axis, piece: Index, u: Array, segment: Index) -> tuple[Complex, Complex, Array]:
-        """Points c, c' and kappa (k,) at u (k,) along pieces (k,), from the given segments' polynomials: values alone.
+        """Points c, c' and psi' (k,) at u (k,) along pieces (k,), from the given segments' polynomials: values alone.
 
-        On a rigid piece kappa is 0.
+        On a rigid piece psi' is 0.
         """
         s, P, P1, _ = self.offsets(piece, u)
         position, psi, along, kappa = axis.values(s, segment)
+        if self.sections.rest is not None:
+            kappa = kappa + self.sections.rest.curvature(s)[0]
         flexible = piece <= UPPER
         kappa = kappa * flexible
         turn = np.exp(1j * psi)
@@ -191,6 +193,9 @@ class Outline:
         rows = axis.beam.rows(s, segment)
         flexible = piece <= UPPER
         psi, *strains = rows.strains @ axis.z
+        if self.sections.rest is not None:
+            bent = self.sections.rest.curvature(s)
+            psi, strains[1], strains[2] = psi + self.sections.rest.angle(s), strains[1] + bent[0], strains[2] + bent[1]
         turn = np.exp(1j * psi)
         own, e0, e1 = course(turn, np.array(strains)), P * turn, P1 * turn
         ie0, ie1 = 1j * e0, 1j * e1

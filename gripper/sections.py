@@ -14,6 +14,7 @@ from gripper.arrays import Array
 from gripper.fingers import Finger, S
 from gripper.interval import NoEnclosureError, enclose_all
 from gripper.kinks import beside_kinks
+from gripper.rest import Rest, rest
 
 _PARTS = 16
 _CHECKED = np.linspace(0.0, 1.0, 129)
@@ -40,6 +41,8 @@ class Sections:
     length: float
     bending_stiffness: float
     kinks: tuple[float, ...]
+    rest: Rest | None
+    """The shape of the unloaded axis; None where it is straight."""
     thickness_bounds: tuple[float, float, float]
     """Upper bounds of w / L, abs(dw/ds), L abs(d2w/ds2), proved by interval arithmetic (infinite where it cannot)."""
     _thickness: Callable[[Array], tuple[Array, ...]]
@@ -99,7 +102,7 @@ def sections(finger: Finger) -> Sections:
     Raises
     ------
     ValueError
-        Where the thickness or the width is not positive and finite somewhere on [0, L].
+        Where the thickness or the width is not positive and finite somewhere on [0, L], or the rest shape folds.
     """
     w, b = sympy.sympify(finger.w(S)), sympy.sympify(finger.b(S))
     thickness, width, stiffness = _compiled(w), _compiled(b), _compiled(b * w**3, b * w)
@@ -115,7 +118,14 @@ def sections(finger: Finger) -> Sections:
     clamp = np.zeros(1)
     scale = finger.material.bending_modulus * float(stiffness(clamp)[0][0]) / 12
     kinks = tuple(sorted(k / finger.length for k in finger.kinks()))
-    return Sections(finger, finger.length, scale, kinks, _bounds(w, finger.length), thickness, stiffness, profile)
+    bounds = _bounds(w, finger.length)
+    bent = None if finger.rest_curvature is None else rest(finger.rest_curvature, finger.length, kinks)
+    if bent is not None:
+        folded = bent.bounds[0] * bounds[0] / 2
+        if folded >= 1:
+            raise ValueError(f"rest_curvature times half the thickness must stay below 1; got up to {folded:.3g}")
+        kinks = tuple(sorted({*kinks, *bent.kinks}))
+    return Sections(finger, finger.length, scale, kinks, bent, bounds, thickness, stiffness, profile)
 
 
 def _bounds(w: sympy.Expr, length: float) -> tuple[float, float, float]:

@@ -37,7 +37,8 @@ _FURTHEST = 20.0  # of L: beyond this no retreat is tried
 def model(scene: Scene, fixed: Setting, poses: Sequence[PoseResult]) -> Model:
     """What is solved for this scene, what is not, and where these poses leave what the theory holds."""
     own = (NOTE,) if is_published(scene) else ()
-    notes = (plane_difference(fixed.sections.finger.material), *NOT_MODELLED, *own)
+    bent = () if fixed.sections.rest is None else ("curvature of the section at rest",)
+    notes = (plane_difference(fixed.sections.finger.material), *NOT_MODELLED, *bent, *own)
     beyond = warnings(fixed.sections, poses, scene.tolerance)
     return Model(theory=fixed.theory, left_out=left_out(scene, fixed.theory), not_modelled=notes, warnings=beyond)
 

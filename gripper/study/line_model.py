@@ -56,5 +56,6 @@ def as_line(scene: Scene) -> Scene:
     body, material = finger.body, finger.body.material
     stiff = replace(material, youngs_modulus=material.youngs_modulus / THIN**3, shear_modulus=material.G / THIN)
     jaw = None if body.jaw is None else _Jaw(body=body.jaw)
-    line = Line(length=body.length, width=body.width, material=stiff, jaw=jaw, body=body)
+    bent = body.rest_curvature
+    line = Line(length=body.length, width=body.width, material=stiff, jaw=jaw, rest_curvature=bent, body=body)
     return replace(scene, finger=replace(finger, body=line))

@@ -95,6 +95,8 @@ class Shooting:
     def __init__(self, setting: Setting, obstacle: Obstacle, sites: tuple[Site, ...]) -> None:
         if setting.friction is not None or setting.theory not in _KNOWN:
             raise NoReferenceError(f"shooting has neither friction nor other theories than {', '.join(sorted(_KNOWN))}")
+        if setting.sections.rest is not None:
+            raise NoReferenceError("shooting knows fingers that are straight at rest alone")
         if any(site.kind in ("tail", "node") for site in sites):
             raise NoReferenceError("the finger lies flush on a flat: shooting knows points and patches on curves")
         self.setting, self.obstacle = setting, obstacle

@@ -42,6 +42,8 @@ def _bed(scene: Scene, fixed: Setting, parameter: float | None) -> _Bed:
     """The object's upper side against the lower side of the straight finger and its jaw."""
     if scene.approach[1] <= 0:
         raise NoModelError("small deflections are reckoned for an object that comes from below")
+    if fixed.sections.rest is not None:
+        raise NoModelError("small deflections are reckoned from a finger that is straight at rest")
     length = fixed.sections.length
     obstacle = fixed.obstacle(Kinematics(scene, length).frame(parameter or 0.0))
     reach = 1.0 if fixed.outline.jaw is None else max(1.0, 1.0 + float(np.max(fixed.outline.jaw.real)))
