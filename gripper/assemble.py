@@ -17,7 +17,7 @@ from gripper.arrays import Array, Index
 from gripper.axis import Axis
 from gripper.beam import BeamTheory
 from gripper.certificate import Survey, survey
-from gripper.contact import Site, linearise
+from gripper.contact import Site, linearise, own_segment
 from gripper.equilibrium import Setting, State
 from gripper.friction import Friction
 from gripper.grip import Law
@@ -243,9 +243,21 @@ class Problem:
         if self._last is None or self._last[0] != key:
             axis = Axis.of(self.beam, z)
             sites = self._locate(axis)
-            lin = linearise(self.beam, z, self.setting.outline, self.obstacle, sites, np.zeros(len(sites)), kinks=False)
-            self._last = key, sites, self._signed(lin.values, sites), lin.gradients
+            self._last = key, sites, *self._gaps(axis, sites)
         return self._last[1:]
+
+    def _gaps(self, axis: Axis, sites: tuple[Site, ...]) -> tuple[Array, Array]:
+        """Gaps and their gradients at places that are found: these may move, which changes no least gap."""
+        if not sites or any(site.kind == "vertex" for site in sites):
+            none = np.zeros(len(sites))
+            lin = linearise(self.beam, axis.z, self.setting.outline, self.obstacle, sites, none, kinks=False)
+            return self._signed(lin.values, sites), lin.gradients
+        piece = np.array([site.piece for site in sites])
+        u = np.array([site.place[0] if site.place else 0.0 for site in sites])
+        segment = np.array([own_segment(self.beam, site) for site in sites])
+        points, moving = self.setting.outline.movable(axis, piece, u, segment)
+        g, normal = self.obstacle.slope(points)
+        return g, (normal.conj()[:, None] * moving).real
 
     def _signed(self, values: Array, sites: tuple[Site, ...]) -> Array:
         """A corner of the object that has passed the end of the piece is clear of it."""

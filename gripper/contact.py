@@ -169,6 +169,7 @@ def linearise(
     return system.linearisation(hessian, queries)
 
 
+@functools.cache
 def _nothing(size: int) -> Linearisation:
     """The linearisation of a finger that touches nothing."""
     none, wide, square = np.zeros(0), np.zeros((0, size)), np.zeros((0, 0))
@@ -219,13 +220,17 @@ def _stations(
     return stations.mean(other)
 
 
+def own_segment(beam: Beam, site: Site) -> int:
+    """The segment that a contact lies on; beyond the faces the last one."""
+    if not site.on_face:
+        return beam.segments - 1
+    return min(max(bisect.bisect_right(beam.breaks, site.middle) - 1, 0), beam.segments - 1)
+
+
 def _segments(beam: Beam, site: Site, kinks: bool) -> tuple[int, int]:
     """The segments whose polynomials describe the outline before and after a contact."""
-    if not site.on_face:
-        return beam.segments - 1, beam.segments - 1
-    middle = site.middle
-    own = min(max(bisect.bisect_right(beam.breaks, middle) - 1, 0), beam.segments - 1)
-    if not kinks or site.kind in ("patch", "tail") or beam.segments == 1:
+    middle, own = site.middle, own_segment(beam, site)
+    if not site.on_face or not kinks or site.kind in ("patch", "tail") or beam.segments == 1:
         return own, own
     nearest = min(range(1, beam.segments), key=lambda i: abs(beam.breaks[i] - middle))
     return (nearest - 1, nearest) if abs(beam.breaks[nearest] - middle) < _AT_BREAK else (own, own)

@@ -32,7 +32,7 @@ _CONVERGED = 1e-6  # last step, relative: the next one, of second order, would b
 _ROUND_OFF = 1e-9  # relative: what must then be left of the forces
 _NARROWEST = 1e-8  # of L: breaks nearer than this are one
 _SMALL = 1e-6  # of L
-_EXACT = 1e-12  # of L: breaks this near are the same
+_EXACT = 2e-9  # of L: breaks this near are the same
 _NO_STRAIN = 1e-8  # |z| below which steps are judged by their own size: round-off of the gap moves z by 1e-16
 _FURTHEST = 0.15  # of L: the most that a place moves in a step of Newton's
 _SHRINKING = 0.5  # the most of its width that a patch loses in one
@@ -213,7 +213,10 @@ def advanced(setting: Setting, state: State, step: Step) -> State:
     breaks = setting.breaks(moved.sites)
     if len(breaks) != len(state.beam.breaks):
         return moved
-    carried = state.beam.convection(state.z, np.subtract(breaks, state.beam.breaks))
+    moves = np.subtract(breaks, state.beam.breaks)
+    if np.abs(moves).max() < _EXACT:
+        return moved
+    carried = state.beam.convection(state.z, moves)
     return _carried(setting, moved, breaks, state.beam.coefficients(moved.z) + carried)
 
 
@@ -298,7 +301,7 @@ def settle(setting: Setting, obstacle: Obstacle, state: State, order: int) -> Eq
         Where it does not converge.
     """
     if not state.sites:
-        return _unloaded(setting, obstacle, order)
+        return unloaded(setting, obstacle, order)
     last, way = np.inf, 0.0
     for iteration in range(_ITERATIONS):
         if iteration == 0 and not _fitted(setting, state, order):
@@ -326,11 +329,17 @@ def _unbalanced(state: State, lin: Linearisation) -> float:
     return left / (float(np.linalg.norm(state.z)) + _NO_STRAIN)
 
 
-def _unloaded(setting: Setting, obstacle: Obstacle, order: int) -> Equilibrium:
-    """The straight finger."""
+@functools.lru_cache(maxsize=16)
+def straight(setting: Setting, order: int) -> State:
+    """The finger that nothing touches."""
     beam = setting.beam((), order)
-    state = State(beam, np.zeros(beam.size))
-    return Equilibrium(state, obstacle, linearise(beam, state.z, setting.outline, obstacle, (), state.multipliers), 0)
+    return State(beam, np.zeros(beam.size))
+
+
+def unloaded(setting: Setting, obstacle: Obstacle, order: int) -> Equilibrium:
+    """The equilibrium of the finger that nothing touches."""
+    state = straight(setting, order)
+    return Equilibrium(state, obstacle, linearise(state.beam, state.z, setting.outline, obstacle, (), np.empty(0)), 0)
 
 
 def _fitted(setting: Setting, state: State, order: int) -> bool:

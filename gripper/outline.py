@@ -187,6 +187,14 @@ class Outline:
         offset = P * turn
         return position + offset, flexible * along + 1j * kappa * offset + P1 * turn, kappa
 
+    def movable(self, axis: Axis, piece: Index, u: Array, segment: Index) -> tuple[Complex, Complex]:
+        """Points c (k,) and c_z (k, n) at u (k,) along pieces (k,), from the given segments' polynomials."""
+        s, P, *_ = self.offsets(piece, u)
+        rows = axis.beam.rows(s, segment)
+        offset = P * np.exp(1j * (rows.strains[0] @ axis.z))
+        moving = rows.position @ axis.turning + (1j * offset)[:, None] * rows.strains[0]
+        return rows.position @ axis.direction + offset, moving
+
     def stations(self, axis: Axis, piece: Index, u: Array, segment: Index) -> Stations:
         """Points and derivatives at u (k,) along pieces (k,), read from the given segments' polynomials (k,)."""
         s, P, P1, P2 = self.offsets(piece, u)

@@ -6,13 +6,11 @@ import time
 from collections.abc import Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from gripper.active import Verified, untouched
 from gripper.answer import Answer, pose_result
 from gripper.assemble import first_order, law, left_out, setting
 from gripper.certificate import survey
-from gripper.equilibrium import NoEquilibriumError, Setting, State, settle
+from gripper.equilibrium import NoEquilibriumError, Setting, unloaded
 from gripper.frictional import tracker_for
 from gripper.kinematics import Kinematics, Placement, Retreat
 from gripper.ladder import rungs, suffices, theory_difference
@@ -79,13 +77,11 @@ def approach(fixed: Setting, final: Frame, direction: tuple[float, float], order
     """
     unit = complex(*direction) / abs(complex(*direction))
     path = Retreat(final, unit)
-    beam = fixed.beam((), order)
-    straight = State(beam, np.zeros(beam.size))
     # a little less than the tracker's first step may be, so that one step suffices
     pace = min(max(0.49 * fixed.body.inner_radius / fixed.sections.length, 0.01), 0.098)
     back = 0.0
     while True:
-        free = settle(fixed, fixed.obstacle(path.frame(-back)), straight, order)
+        free = unloaded(fixed, fixed.obstacle(path.frame(-back)), order)
         found = survey(fixed, free.obstacle, free.state, brief=True)
         start = Verified(free, found)
         if untouched(fixed, start):

@@ -14,7 +14,7 @@ from gripper.answer import Answer, discretisation_error
 from gripper.certificate import DEPTH, Survey, survey
 from gripper.clearance import clearance
 from gripper.contact import Site
-from gripper.equilibrium import NoEquilibriumError, Setting, State, predicted, settle
+from gripper.equilibrium import NoEquilibriumError, Setting, State, predicted, unloaded
 from gripper.events import STRUT, Along, Change, Path, changes, head_on, transition
 from gripper.snap import descend, distance
 from gripper.watch import Watch
@@ -163,10 +163,8 @@ class Tracker:
 
     def _free(self, parameter: float) -> Verified:
         """The straight finger and what the object leaves of it."""
-        obstacle = self.setting.obstacle(self.path.frame(parameter))
-        beam = self.setting.beam((), self.order)
-        straight = settle(self.setting, obstacle, State(beam, np.zeros(beam.size)), self.order)
-        return Verified(straight, survey(self.setting, obstacle, straight.state, brief=True))
+        free = unloaded(self.setting, self.setting.obstacle(self.path.frame(parameter)), self.order)
+        return Verified(free, survey(self.setting, free.obstacle, free.state, brief=True))
 
     def _at(self, parameter: float, state: State) -> Verified:
         obstacle = self.setting.obstacle(self.path.frame(parameter))
