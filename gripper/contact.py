@@ -220,6 +220,13 @@ def _stations(
     return stations.mean(other)
 
 
+def pointed(site: Site) -> Site:
+    """A patch as a point in its middle, without friction."""
+    if site.kind in ("patch", "tail"):
+        return replace(site, kind="tangent", place=(site.middle,), modes=1, grip=None)
+    return replace(site, grip=None)
+
+
 def own_segment(beam: Beam, site: Site) -> int:
     """The segment that a contact lies on; beyond the faces the last one."""
     if not site.on_face:

@@ -14,6 +14,7 @@ from gripper.certificate import survey
 from gripper.contact import Kind, Site
 from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, predicted, settle
 from gripper.obstacle import Frame
+from gripper.snap import distance
 
 Feature = tuple[Literal["flank", "corner", "vertex"], int, int]
 _SECANTS = 40
@@ -23,6 +24,8 @@ _SHORT = 0.999  # of the way to an end that must not be passed
 _ROUND_OFF = 1e-13
 STRUT = "met head-on the finger is a strut and buckles: to which side is undecided by statics"
 _GRAZED = 1e-9  # of L: contacts that only graze are none
+_DEPARTS = 0.5  # of a step: what it may differ from its prediction
+_APART = 1e-4  # of L: shapes that differ by more are of different branches
 _MEETING = 1e-9  # of L: where pieces of the outline meet
 _SHARP = 1e-10  # of the step: where an event is located to
 
@@ -83,18 +86,28 @@ def changes(setting: Setting, path: Path, old: Along, new: Along, order: int) ->
     if len(out) + len(gone) + len(come) > 1:
         raise NoEquilibriumError("several contacts change within one step")
     for won in come:
-        where = (
-            _released(setting, path, new, old.parameter, won, order)
-            if before
-            else _first_touch(setting, path, old, new)
-        )
+        where = _released(setting, path, new, old, won, order) if before else _first(setting, path, old, new, order)
         out.append(Change(where, "touch", _feature_name(setting, won)))
         if not before and head_on(setting, path, old, where):
             out.append(Change(where, "snap", STRUT))
     for lost in gone:
-        where = _released(setting, path, old, new.parameter, lost, order)
+        where = _released(setting, path, old, new, lost, order)
         out.append(Change(where, "release", _feature_name(setting, lost)))
     return out
+
+
+def _joined(setting: Setting, path: Path, there: Along, known: Along, order: int) -> float:
+    """Where an event is, once the branch of a known equilibrium is seen to meet the event's.
+
+    Raises
+    ------
+    NoEquilibriumError
+        Where they do not meet: the step leads to another branch.
+    """
+    other = Branch(setting, path, known, order).at(there.parameter)
+    if distance(there.equilibrium.state, other.state) > _APART:
+        raise NoEquilibriumError("the step leads to another branch")
+    return there.parameter
 
 
 def _adjacent(setting: Setting, lost: Feature, won: Feature) -> bool:
@@ -110,7 +123,7 @@ def _adjacent(setting: Setting, lost: Feature, won: Feature) -> bool:
     return "corner" in (lost[0], won[0]) or lost[0] == won[0] == "vertex"
 
 
-def _first_touch(setting: Setting, path: Path, old: Along, new: Along) -> float:
+def _first(setting: Setting, path: Path, old: Along, new: Along, order: int) -> float:
     """Where the straight finger is touched first, by a contact that the new pose still has."""
     state, sites = old.equilibrium.state, new.equilibrium.state.sites
 
@@ -124,7 +137,8 @@ def _first_touch(setting: Setting, path: Path, old: Along, new: Along) -> float:
     where = _bracketed(lambda parameter: min(least(parameter, kept=True), 1.0), old.parameter, new.parameter)
     if least(where, kept=False) < -_GRAZED:
         raise NoEquilibriumError("the first contact has moved on within the step")
-    return where
+    points = replace(new, equilibrium=pointed(setting, new.equilibrium, order))
+    return _joined(setting, path, Along(where, old.equilibrium), points, order)
 
 
 def touched_at(setting: Setting, path: Path, old: Along, stop: float) -> float:
@@ -159,10 +173,10 @@ def _same(setting: Setting, touched: Site, site: Site) -> bool:
 def _changed(setting: Setting, path: Path, old: Along, new: Along, lost: Feature, won: Feature, order: int) -> float:
     """A contact that has a place on its piece tells by its reaching the end; a corner by its multiplier."""
     if lost[0] != "corner":
-        return _departed(setting, path, old, new.parameter, lost, order)
+        return _departed(setting, path, old, new, (lost, won), order)
     if won[0] != "corner" and not any(site.kind == "tail" for site in old.equilibrium.state.sites):
-        return _departed(setting, path, new, old.parameter, won, order)
-    return _released(setting, path, old, new.parameter, lost, order)
+        return _departed(setting, path, new, old, (won, lost), order)
+    return _released(setting, path, old, new, lost, order)
 
 
 def _feature_name(setting: Setting, feature: Feature) -> str:
@@ -197,13 +211,14 @@ def _pressing(setting: Setting, equilibrium: Equilibrium, i: int) -> float:
     return float(equilibrium.state.multipliers[sum(site.multipliers for site in sites[:i])])
 
 
-def _from_end(setting: Setting, equilibrium: Equilibrium, i: int) -> tuple[float, float]:
-    """How far a contact is from the nearer end of its piece, and the rate of that with the parameter."""
+def _from_end(setting: Setting, equilibrium: Equilibrium, i: int, far: bool) -> tuple[float, float]:
+    """How far a contact is from an end of its piece, the far one or the near one, and the rate of that."""
     sites = equilibrium.state.sites
     site, first = sites[i], sum(site.unknowns for site in sites[:i])
     rates = equilibrium.tangent()[2][first : first + site.unknown_places]
-    ahead = setting.outline.pieces[site.piece].length - site.place[-1]
-    return (site.place[0], float(rates[0])) if site.place[0] < ahead else (ahead, -float(rates[-1]))
+    if far:
+        return setting.outline.pieces[site.piece].length - site.place[-1], -float(rates[-1])
+    return site.place[0], float(rates[0])
 
 
 class Branch:
@@ -226,12 +241,15 @@ class Branch:
             return start.equilibrium
         change = parameter - start.parameter
         guess = predicted(self.setting, start.equilibrium, change)
+        expected = float(np.linalg.norm(guess.z - start.equilibrium.state.z))
         found = settle(self.setting, self.setting.obstacle(self.path.frame(parameter)), guess, self.order)
+        if found.correction > _DEPARTS * expected + _APART:
+            raise NoEquilibriumError("the step departs from its prediction")
         self.known.append(Along(parameter, found))
         return found
 
 
-def _released(setting: Setting, path: Path, known: Along, stop: float, feature: Feature, order: int) -> float:
+def _released(setting: Setting, path: Path, known: Along, other: Along, feature: Feature, order: int) -> float:
     """Where a contact's multiplier vanishes on the branch of a known equilibrium, the contact held beyond.
 
     Raises
@@ -241,27 +259,33 @@ def _released(setting: Setting, path: Path, known: Along, stop: float, feature: 
     """
     i = features(known.equilibrium.state.sites)[feature]
     branch = Branch(setting, path, replace(known, equilibrium=_pointed(setting, known.equilibrium, i, order)), order)
-    where = _bracketed(lambda parameter: _pressing(setting, branch.at(parameter), i), known.parameter, stop)
+    where = _bracketed(lambda parameter: _pressing(setting, branch.at(parameter), i), known.parameter, other.parameter)
     there = branch.at(where)
     if not survey(setting, there.obstacle, there.state).clear:
         raise NoEquilibriumError("something else touches before")
-    return where
+    return _joined(setting, path, Along(where, there), other, order)
 
 
-def _departed(setting: Setting, path: Path, known: Along, stop: float, feature: Feature, order: int) -> float:
-    """Where a contact's place reaches the end of its piece: Newton steps that stop a little short of it."""
-    i = features(known.equilibrium.state.sites)[feature]
+def _departed(
+    setting: Setting, path: Path, known: Along, other: Along, pair: tuple[Feature, Feature], order: int
+) -> float:
+    """Where a contact's place reaches the end of its piece, on to another: steps that stop a little short of it."""
+    i = features(known.equilibrium.state.sites)[pair[0]]
     if not known.equilibrium.state.sites[i].unknown_places:
         raise NoEquilibriumError("a contact without a place of its own ends")
+    distant = setting.outline.ends(pair[0][1])[-1]
+    far = min(abs(distant - end) for end in setting.outline.ends(pair[1][1])) < _MEETING
     branch, at, short = Branch(setting, path, known, order), known.parameter, _SHORT
-    way = stop - known.parameter
+    stop, way = other.parameter, other.parameter - known.parameter
     for _ in range(_STEPS):
-        ahead, rate = _from_end(setting, branch.at(at), i)
+        ahead, rate = _from_end(setting, branch.at(at), i, far)
         step = -ahead / rate * short if rate else way
+        if abs(step) <= _SHARP * abs(way):
+            return _joined(setting, path, Along(at, branch.at(at)), other, order)
         if not 0 <= (at + step - known.parameter) / way <= 1:
             step = stop - at if step * way > 0 else known.parameter - at
-        if abs(step) <= _SHARP * abs(way):
-            return at
+            if abs(step) <= _SHARP * abs(way):
+                raise NoEquilibriumError("a contact reaches the end of its face or edge beyond the step")
         try:
             branch.at(at + step)
             at, short = at + step, _SHORT

@@ -7,14 +7,16 @@ does not help, the equilibrium has ended: the finger snaps.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from gripper.active import Verified, find, settle_contacts, untouched, verify
 from gripper.answer import Answer, discretisation_error
 from gripper.certificate import DEPTH, Survey, survey
 from gripper.clearance import clearance
-from gripper.contact import Site
-from gripper.equilibrium import NoEquilibriumError, Setting, State, predicted, unloaded
+from gripper.contact import Site, linearise, pointed
+from gripper.equilibrium import NoEquilibriumError, Setting, State, predicted, straight, unloaded
 from gripper.events import STRUT, Along, Change, Path, changes, head_on, transition
 from gripper.snap import descend, distance
 from gripper.watch import Watch
@@ -30,6 +32,8 @@ _PATIENCE = 30  # steps that may fail on the way to a pose
 _SNAPS = 3
 _HIGHEST_ORDER = 14
 _EXTRAPOLATED = 3.0  # of the last step: the next one may be that much longer and still bend as it did
+_DEPARTS = 0.5  # of a step: what it may differ from its prediction
+_LEAVES = "the equilibrium ends here: the finger leaves for another"
 _TURNS = 8  # parts in which a step's path is measured
 
 
@@ -190,9 +194,19 @@ class Tracker:
             if head_on(self.setting, self.path, Along(self.parameter, self.current.equilibrium), following):
                 raise NoEquilibriumError(STRUT) from error
             raise
-        travel = self._travel(self.parameter, following)
-        self._compare(found, distance(found.equilibrium.state, start), travel)
+        moved, travel = distance(found.equilibrium.state, start), self._travel(self.parameter, following)
+        self._compare(found, moved, travel)
+        if distance(found.equilibrium.state, self._pushed(found)) > _DEPARTS * moved:
+            raise NoEquilibriumError("the step departs from its prediction")
         return found
+
+    def _pushed(self, found: Verified) -> State:
+        """The straight finger bent by the least that closes the gaps where it touches now, to first order."""
+        state = straight(self.setting, self.order)
+        sites = tuple(pointed(site) for site in found.equilibrium.state.sites)
+        obstacle, loads = found.equilibrium.obstacle, np.zeros(len(sites))
+        lin = linearise(state.beam, state.z, self.setting.outline, obstacle, sites, loads, kinks=False)
+        return replace(state, z=np.linalg.lstsq(lin.gradients, -lin.values)[0])
 
     def _followed(self, following: float) -> Verified:
         """Predict along the tangent and correct; SLSQP where the contacts change on the way."""
@@ -268,7 +282,8 @@ class Tracker:
         obstacle = self.setting.obstacle(self.path.frame(following))
         found = descend(self.setting, obstacle, start, self.order)
         self.iterations += found.equilibrium.iterations
-        self.changes.append(Change(self.parameter, "snap", "the equilibrium ends here: the finger leaves for another"))
+        on_end = all(self.setting.outline.place(site.piece, np.zeros(1))[0] == "tip" for site in start.sites)
+        self.changes.append(Change(self.parameter, "snap", STRUT if on_end else _LEAVES))
         self.parameter, self.current = following, found
 
     def _refined(self) -> Answer:

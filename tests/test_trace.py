@@ -310,3 +310,19 @@ def test_an_interrupted_motion_holds_the_poses_that_were_done() -> None:
     assert [pose.parameter for pose in result.poses] == [pose.parameter for pose in whole.poses]
     assert [pose.force_on_object for pose in result.poses[:3]] == [pose.force_on_object for pose in whole.poses[:3]]
     assert {(pose.status, pose.reason) for pose in result.poses[3:]} == {("failed", "interrupted")}
+
+
+@pytest.mark.parametrize("theory", ["bending", "shear"])
+def test_the_rotating_finger_met_from_the_far_left_is_a_strut_that_snaps_to_a_side_that_statics_do_not_decide(
+    theory: str,
+) -> None:
+    for count in (13, 31):
+        scene = rotating_finger(*np.linspace(-0.21, -0.15, count).tolist(), theory=theory)
+        result = gr.trace(scene)
+        assert not result.failed
+        touch, change, snap = result.events
+        assert (touch.kind, change.kind, snap.kind) == ("touch", "change", "snap")
+        assert touch.parameter == pytest.approx(-0.188, abs=1e-3)  # where the ellipse meets the straight finger
+        assert change.detail == "corner of tip to tip"
+        assert "undecided" in snap.detail
+        assert snap.parameter == pytest.approx(-0.18636, abs=2e-5)  # however long the steps
