@@ -30,6 +30,7 @@ from gripper.scene import Scene
 from gripper.sections import sections
 
 _SAMPLES = 9
+_FEET = 6  # Newton steps to the foot of a normal
 _GRAZED = 0.05  # of L: how much wider than the least sampled gap is looked at
 _REFINEMENTS = 2
 _GRAZING = 1e-9  # of L: the least deflection that unknowns are scaled to
@@ -385,6 +386,19 @@ def vertex_heights(setting: Setting, obstacle: Obstacle, axis: Axis, found: Surv
         deepest = _half_thickness(setting, piece, pieces.u0[mine][nearest])
         out[piece] = np.where(sunk < deepest, np.where(sunk > 0, -sunk, np.abs(away[each, nearest])), np.inf)
     return out
+
+
+def vertex_height(setting: Setting, obstacle: Obstacle, axis: Axis, site: Site) -> float:
+    """How far one of the object's corners is outside a piece, by L, near a place there; negative: sunk in."""
+    piece, u, corner = np.array([site.piece]), np.array(site.place), obstacle.corners[site.vertex]
+    end = setting.outline.pieces[site.piece].length
+    place, tangent = 0j, 1 + 0j
+    for _ in range(_FEET):
+        segment = axis.beam.segment_of(u) if site.on_face else np.array([axis.beam.segments - 1])
+        place, tangent = (complex(v[0]) for v in setting.outline.trace(axis, piece, u, segment)[:2])
+        u = np.clip(u + ((corner - place) * tangent.conjugate()).real / abs(tangent) ** 2, 0.0, end)
+    outward = -1j * tangent / abs(tangent) * (-1.0 if site.piece == UPPER else 1.0)
+    return float(((corner - place) * outward.conjugate()).real)
 
 
 def _half_thickness(setting: Setting, piece: int, u: Array) -> Array:

@@ -9,7 +9,7 @@ from typing import Literal, Protocol
 import numpy as np
 from scipy.optimize import brentq
 
-from gripper.assemble import least_gaps
+from gripper.assemble import least_gaps, vertex_height
 from gripper.certificate import survey
 from gripper.contact import Kind, Site
 from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, predicted, settle
@@ -26,6 +26,10 @@ STRUT = "met head-on the finger is a strut and buckles: to which side is undecid
 _GRAZED = 1e-9  # of L: contacts that only graze are none
 _DEPARTS = 0.5  # of a step: what it may differ from its prediction
 _APART = 1e-4  # of L: shapes that differ by more are of different branches
+_ROLLED = 1e-3  # of L: the same where an object rolls over a corner: between corners its side touches, too
+_ROLLS = 0.25  # of a step: the same from corner to corner
+_BESIDE = 1e-6  # of L: how far from a corner its side is looked at
+_SHORTLY = 1e-2  # of a step
 _MEETING = 1e-9  # of L: where pieces of the outline meet
 _SHARP = 1e-10  # of the step: where an event is located to
 
@@ -96,7 +100,7 @@ def changes(setting: Setting, path: Path, old: Along, new: Along, order: int) ->
     return out
 
 
-def _joined(setting: Setting, path: Path, there: Along, known: Along, order: int) -> float:
+def _joined(setting: Setting, path: Path, there: Along, known: Along, order: int, apart: float = _APART) -> float:
     """Where an event is, once the branch of a known equilibrium is seen to meet the event's.
 
     Raises
@@ -105,7 +109,7 @@ def _joined(setting: Setting, path: Path, there: Along, known: Along, order: int
         Where they do not meet: the step leads to another branch.
     """
     other = Branch(setting, path, known, order).at(there.parameter)
-    if distance(there.equilibrium.state, other.state) > _APART:
+    if distance(there.equilibrium.state, other.state) > apart:
         raise NoEquilibriumError("the step leads to another branch")
     return there.parameter
 
@@ -113,14 +117,14 @@ def _joined(setting: Setting, path: Path, there: Along, known: Along, order: int
 def _adjacent(setting: Setting, lost: Feature, won: Feature) -> bool:
     """Whether a contact may roll on: to the corner at an edge's end, or back; to another of the object's corners."""
     outline = setting.outline
-    if lost[0] == won[0] == "vertex" and lost[2] != won[2]:
-        return lost[1] == won[1]
-    if (lost[0] == "corner") == (won[0] == "corner") and lost[2] != won[2]:
-        return False  # from the object's corner on to its side: nothing here tells where that is
+    if "corner" not in (lost[0], won[0]) and lost[2] != won[2]:
+        return lost[1] == won[1]  # the object rolls along a face, from its corner on to its side or to the next corner
+    if (lost[0] == "corner") == (won[0] == "corner") and lost[0] != "vertex":
+        return False
     ends = [outline.ends(feature[1]) for feature in (lost, won)]
     if min(abs(a - b) for a in ends[0] for b in ends[1]) > _MEETING:
         return False
-    return "corner" in (lost[0], won[0]) or lost[0] == won[0] == "vertex"
+    return True
 
 
 def _first(setting: Setting, path: Path, old: Along, new: Along, order: int) -> float:
@@ -172,6 +176,10 @@ def _same(setting: Setting, touched: Site, site: Site) -> bool:
 
 def _changed(setting: Setting, path: Path, old: Along, new: Along, lost: Feature, won: Feature, order: int) -> float:
     """A contact that has a place on its piece tells by its reaching the end; a corner by its multiplier."""
+    if lost[0] == won[0] == "vertex" and lost[1] == won[1]:
+        return _rolled(setting, path, old, new, won, order)
+    if "corner" not in (lost[0], won[0]) and lost[0] != won[0]:
+        return _turned(setting, path, (old, new) if lost[0] == "vertex" else (new, old), (lost, won), order)
     if lost[0] != "corner":
         return _departed(setting, path, old, new, (lost, won), order)
     if won[0] != "corner" and not any(site.kind == "tail" for site in old.equilibrium.state.sites):
@@ -292,6 +300,48 @@ def _departed(
         except NoEquilibriumError:
             short /= 2
     raise NoEquilibriumError("a contact does not reach the end of its face or edge")
+
+
+def _rolled(setting: Setting, path: Path, old: Along, new: Along, won: Feature, order: int) -> float:
+    """Where the object's next corner comes down on a face."""
+    branch, place = Branch(setting, path, old, order), new.equilibrium.state.sites[_number(new, won)].place[0]
+
+    def height(parameter: float) -> float:
+        there = branch.at(parameter)
+        return vertex_height(setting, there.obstacle, there.state.axis, Site("vertex", won[1], (place,), won[2]))
+
+    where = _bracketed(height, old.parameter, new.parameter)
+    apart = max(_ROLLED, _ROLLS * distance(old.equilibrium.state, new.equilibrium.state))
+    return _joined(setting, path, Along(where, branch.at(where)), new, order, apart)
+
+
+def _turned(
+    setting: Setting, path: Path, pair: tuple[Along, Along], contact: tuple[Feature, Feature], order: int
+) -> float:
+    """Where a face that turns about a corner of the object comes down on the side beside it."""
+    at_corner, beside = pair
+    corner, side = contact if contact[0][0] == "vertex" else contact[::-1]
+    branch, i = Branch(setting, path, at_corner, order), _number(at_corner, corner)
+    known = beside.equilibrium
+    away = known.linear.points[_number(beside, side)].mean() - known.obstacle.corners[corner[2]]
+    beginning = known.obstacle.corners[corner[2]] + away / abs(away) * _BESIDE
+    slope = complex(known.obstacle.slope(np.array([beginning]))[1][0]) / np.exp(1j * known.obstacle.frame.angle)
+
+    def turn(parameter: float) -> float:
+        there = branch.at(parameter)
+        pressing = complex(there.linear.forces[i].sum()) / np.exp(1j * there.obstacle.frame.angle)
+        return float((slope.conjugate() * pressing).imag)
+
+    where = _bracketed(turn, at_corner.parameter, beside.parameter)
+    there, further = branch.at(where), where + _SHORTLY * (beside.parameter - where)
+    other = Branch(setting, path, beside, order).at(further)
+    if distance(there.state, other.state) > _ROLLED:
+        raise NoEquilibriumError("the step leads to another branch")
+    return where
+
+
+def _number(known: Along, feature: Feature) -> int:
+    return features(known.equilibrium.state.sites)[feature]
 
 
 def pointed(setting: Setting, equilibrium: Equilibrium, order: int) -> Equilibrium:
