@@ -371,20 +371,24 @@ def _vertices(setting: Setting, obstacle: Obstacle, axis: Axis, found: Survey, r
 def vertex_heights(setting: Setting, obstacle: Obstacle, axis: Axis, found: Survey) -> dict[int, Array]:
     """Distance of each of the object's corners outside each piece, by L: negative where it has sunk through it.
 
-    Infinite for a corner that has sunk so deep that it belongs to another piece.
+    Infinite for a corner that has sunk so deep, or is behind a piece so far, that it belongs to another one.
     """
     pieces = found.pieces
     points, tangents, _ = setting.outline.trace(axis, pieces.piece, pieces.u0, pieces.segment)
-    inward = 1j * tangents * np.where(pieces.piece == UPPER, -1.0, 1.0)
+    along = tangents / np.abs(tangents)
+    away = obstacle.corners[:, None] - points[None, :]
+    foot = np.clip(dot(away, along), 0.0, (pieces.u1 - pieces.u0) * np.abs(tangents))
+    distances = np.abs(away - foot * along)
+    heights = dot(away, -1j * along * np.where(pieces.piece == UPPER, -1.0, 1.0))
+    nearest, each = pieces.piece[np.argmin(distances, axis=1)], np.arange(len(away))
     out = {}
     for piece in np.unique(pieces.piece).tolist():
         mine = np.flatnonzero(pieces.piece == piece)
-        away = points[mine][None, :] - obstacle.corners[:, None]
-        nearest = np.argmin(np.abs(away), axis=1)
-        each = np.arange(len(away))
-        sunk = -dot(away[each, nearest], inward[mine][nearest])
-        deepest = _half_thickness(setting, piece, pieces.u0[mine][nearest])
-        out[piece] = np.where(sunk < deepest, np.where(sunk > 0, -sunk, np.abs(away[each, nearest])), np.inf)
+        closest = mine[np.argmin(distances[:, mine], axis=1)]
+        height = heights[each, closest]
+        deepest = _half_thickness(setting, piece, pieces.u0[closest])
+        sunk = np.where((nearest == piece) & (-height < deepest), height, np.inf)
+        out[piece] = np.where(height < 0, sunk, distances[each, closest])
     return out
 
 
