@@ -36,6 +36,7 @@ _TURNED = 1e-3  # rad: a flat that turns by more has ended
 _RIPPLE = 3e-2  # of the largest pressure: what a polynomial may leave where the pressure has decayed
 _ACROSS = np.linspace(-1.0, 1.0, 17)
 _TOGETHER = 0.02  # of L: tangents nearer than this are one contact
+_END = 1 - 1e-7  # of L: just before the tip
 _TIP = 0.1  # of L: a contact this near to the tip may be the corner's
 _GRAZING = 1e-12  # of L: a gap's round-off
 _FLAT = 1e-4  # curvature of the gap, times L: below it a tangent's place is held by the next order
@@ -439,6 +440,9 @@ def _alternatives(setting: Setting, contacts: list[tuple[Site, float]]) -> list[
             start = min([c[0].place[0] for c in at_tip if c[0].place] + [1 - 10 * _PATCH])
             tail = Site("tail", face, (start, 1.0), modes=NARROW)
             sets.append([*rest, (tail, force / 2), (corner, force / 2)])
+            last = max([c[0].place[0] for c in at_tip if c[0].place] + [start])
+            patch = Site("patch", face, (2 * last - _END, _END), modes=NARROW)  # the corner lets go
+            sets.append([*rest, (patch, force)])
     if any(site.kind == "tangent" for site, _ in contacts):
         held = [(replace(s, kind="node") if s.kind == "tangent" else s, force) for s, force in contacts]
         sets.append(held)  # where finger and object conform, a tangent's place is not determined
