@@ -32,7 +32,7 @@ _CONVERGED = 1e-6  # last step, relative: the next one, of second order, would b
 _ROUND_OFF = 1e-9  # relative: what must then be left of the forces
 _NARROWEST = 1e-8  # of L: breaks nearer than this are one
 _SMALL = 1e-6  # of L
-_EXACT = 2e-9  # of L: breaks this near are the same
+_EXACT = 1e-7  # of the shortest segment: breaks this near are the same
 _NO_STRAIN = 1e-8  # |z| below which steps are judged by their own size: round-off of the gap moves z by 1e-16
 _FURTHEST = 0.15  # of L: the most that a place moves in a step of Newton's
 _SHRINKING = 0.5  # the most of its width that a patch loses in one
@@ -214,7 +214,7 @@ def advanced(setting: Setting, state: State, step: Step) -> State:
     if len(breaks) != len(state.beam.breaks):
         return moved
     moves = np.subtract(breaks, state.beam.breaks)
-    if np.abs(moves).max() < _EXACT:
+    if np.abs(moves).max() < _EXACT * state.beam.lengths.min():
         return moved
     carried = state.beam.convection(state.z, moves)
     return _carried(setting, moved, breaks, state.beam.coefficients(moved.z) + carried)
@@ -345,4 +345,8 @@ def unloaded(setting: Setting, obstacle: Obstacle, order: int) -> Equilibrium:
 def _fitted(setting: Setting, state: State, order: int) -> bool:
     """Whether the beam is of this order and its segments end where the contacts are."""
     breaks, mine = setting.breaks(state.sites), state.beam.breaks
-    return state.beam.order == order and len(breaks) == len(mine) and np.max(np.abs(np.subtract(breaks, mine))) < _EXACT
+    return (
+        state.beam.order == order
+        and len(breaks) == len(mine)
+        and np.max(np.abs(np.subtract(breaks, mine))) < (_EXACT * state.beam.lengths.min())
+    )

@@ -280,9 +280,12 @@ class Tracker:
         if not start.sites:
             raise error
         obstacle = self.setting.obstacle(self.path.frame(following))
-        found = descend(self.setting, obstacle, start, self.order)
-        self.iterations += found.equilibrium.iterations
         on_end = all(self.setting.outline.place(site.piece, np.zeros(1))[0] == "tip" for site in start.sites)
+        try:
+            found = descend(self.setting, obstacle, start, self.order)
+        except NoEquilibriumError as failure:
+            raise NoEquilibriumError(f"{STRUT}; {failure}" if on_end else str(failure)) from failure
+        self.iterations += found.equilibrium.iterations
         self.changes.append(Change(self.parameter, "snap", STRUT if on_end else _LEAVES))
         self.parameter, self.current = following, found
 
