@@ -24,6 +24,7 @@ _SHORT = 0.999  # of the way to an end that must not be passed
 _ROUND_OFF = 1e-13
 STRUT = "met head-on the finger is a strut and buckles: to which side is undecided by statics"
 _GRAZED = 1e-9  # of L: contacts that only graze are none
+_HALVINGS = 4  # of a way along a branch
 _DEPARTS = 0.5  # of a step: what it may differ from its prediction
 _APART = 1e-4  # of L: shapes that differ by more are of different branches
 _ROLLED = 1e-3  # of L: the same where an object rolls over a corner: between corners its side touches, too
@@ -244,15 +245,20 @@ class Branch:
         NoEquilibriumError
             Where Newton does not reach it.
         """
+        return self._reached(parameter, _HALVINGS)
+
+    def _reached(self, parameter: float, halvings: int) -> Equilibrium:
         start = min(self.known, key=lambda at: abs(at.parameter - parameter))
         if start.parameter == parameter:
             return start.equilibrium
-        change = parameter - start.parameter
-        guess = predicted(self.setting, start.equilibrium, change)
+        guess = predicted(self.setting, start.equilibrium, parameter - start.parameter)
         expected = float(np.linalg.norm(guess.z - start.equilibrium.state.z))
         found = settle(self.setting, self.setting.obstacle(self.path.frame(parameter)), guess, self.order)
         if found.correction > _DEPARTS * expected + _APART:
-            raise NoEquilibriumError("the step departs from its prediction")
+            if not halvings:
+                raise NoEquilibriumError("the step departs from its prediction")
+            self._reached((start.parameter + parameter) / 2, halvings - 1)
+            return self._reached(parameter, halvings - 1)
         self.known.append(Along(parameter, found))
         return found
 
