@@ -343,10 +343,10 @@ def unloaded(setting: Setting, obstacle: Obstacle, order: int) -> Equilibrium:
 
 
 def _fitted(setting: Setting, state: State, order: int) -> bool:
-    """Whether the beam is of this order and its segments end where the contacts are."""
-    breaks, mine = setting.breaks(state.sites), state.beam.breaks
-    return (
-        state.beam.order == order
-        and len(breaks) == len(mine)
-        and np.max(np.abs(np.subtract(breaks, mine))) < (_EXACT * state.beam.lengths.min())
-    )
+    """Whether the beam is this setting's, of this order, and its segments end where the contacts are."""
+    beam, breaks = state.beam, setting.breaks(state.sites)
+    if beam.sections is not setting.sections or beam.theory != setting.theory or beam.order != order:
+        return False
+    if len(breaks) != len(beam.breaks):
+        return False
+    return bool(np.abs(np.subtract(breaks, beam.breaks)).max() < _EXACT * beam.lengths.min())

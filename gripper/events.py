@@ -27,6 +27,7 @@ _GRAZED = 1e-9  # of L: contacts that only graze are none
 _HALVINGS = 4  # of a way along a branch
 _DEPARTS = 0.5  # of a step: what it may differ from its prediction
 _APART = 1e-4  # of L: shapes that differ by more are of different branches
+_OVERSHOT = 1.0  # of a step: a contact may have been kept beyond the end of its piece, within the penetration allowed
 _ROLLED = 1e-3  # of L: the same where an object rolls over a corner: between corners its side touches, too
 _ROLLS = 0.25  # of a step: the same from corner to corner
 _BESIDE = 1e-6  # of L: how far from a corner its side is looked at
@@ -296,8 +297,8 @@ def _departed(
         step = -ahead / rate * short if rate else way
         if abs(step) <= _SHARP * abs(way):
             return _joined(setting, path, Along(at, branch.at(at)), other, order)
-        if not 0 <= (at + step - known.parameter) / way <= 1:
-            step = stop - at if step * way > 0 else known.parameter - at
+        if not 0 <= (at + step - known.parameter) / way <= 1 + _OVERSHOT:
+            step = stop + _OVERSHOT * way - at if step * way > 0 else known.parameter - at
             if abs(step) <= _SHARP * abs(way):
                 raise NoEquilibriumError("a contact reaches the end of its face or edge beyond the step")
         try:
