@@ -191,7 +191,10 @@ class Outline:
         """Points c (k,) and c_z (k, n) at u (k,) along pieces (k,), from the given segments' polynomials."""
         s, P, *_ = self.offsets(piece, u)
         rows = axis.beam.rows(s, segment)
-        offset = P * np.exp(1j * (rows.strains[0] @ axis.z))
+        psi = rows.strains[0] @ axis.z
+        if self.sections.rest is not None:
+            psi = psi + self.sections.rest.angle(s)
+        offset = P * np.exp(1j * psi)
         moving = rows.position @ axis.turning + (1j * offset)[:, None] * rows.strains[0]
         return rows.position @ axis.direction + offset, moving
 
