@@ -23,6 +23,7 @@ _PATIENCE = 40  # SLSQP takes 8 to 15 iterations where it gets somewhere
 _COARSE = 1e-6  # SLSQP only has to tell who touches: Newton does the rest
 _ACTIVE = 1e-6  # of the largest multiplier
 _PATCH = 2e-5  # of L: narrower patches are points (the mean tangent's error falls with the square of the width)
+_POINTLIKE = 5 * _PATCH
 _FLUSH = 2.0  # of sqrt(EI / GA): where a patch would be wider, the finger lies flush on a flat
 _WIDTHS = (
     (0.3, NARROW),
@@ -159,14 +160,29 @@ def settle_contacts(setting: Setting, obstacle: Obstacle, state: State, order: i
     NoEquilibriumError
         Where Newton does not converge.
     """
-    state = _foreseen(setting, obstacle, state)
-    found = settle(setting, obstacle, state, order)
+    foreseen = _foreseen(setting, obstacle, state)
+    try:
+        found = settle(setting, obstacle, foreseen, order)
+    except NoEquilibriumError:
+        if foreseen is state:
+            raise
+        found = settle(setting, obstacle, state, order)
     sites = fit_patches(setting, found)
     if [(s.kind, s.modes) for s in sites] == [(s.kind, s.modes) for s in found.state.sites]:
         return found
-    again = settle(setting, obstacle, with_sites(found.state, sites), order)
+    try:
+        again = settle(setting, obstacle, with_sites(found.state, sites), order)
+    except NoEquilibriumError:
+        if any(old.kind != new.kind and not _pointlike(new) for old, new in zip(found.state.sites, sites, strict=True)):
+            raise
+        return found  # a patch so narrow that Newton's method does not find its ends: a point is as good
     total = found.iterations + again.iterations
     return replace(again, iterations=total, correction=found.correction + again.correction)
+
+
+def _pointlike(site: Site) -> bool:
+    """Whether a patch is so narrow that the mean tangent of a point is as good."""
+    return site.kind == "patch" and site.place[1] - site.place[0] < _POINTLIKE
 
 
 def _foreseen(setting: Setting, obstacle: Obstacle, state: State) -> State:
