@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,9 +15,11 @@ from gripper.optimize.optimum import Trial
 from gripper.parameters import replaced
 from gripper.result import Result
 from gripper.scene import Scene
-from gripper.sensitivity.curves import Curves, curves
 from gripper.solve import solve
 from gripper.trace import trace
+
+if TYPE_CHECKING:
+    from gripper.sensitivity.curves import Curves
 
 _RECENT = 4
 
@@ -75,6 +78,8 @@ class Evaluator:
         reason = _reason(result) or (None if np.isfinite(over) else "a limit is on what the result does not have")
         if reason or objective is None:
             return self._without(values, reason or f"the result has no {self.goal.name}")
+        from gripper.sensitivity.curves import curves  # heavy, and only wanted once something is sought
+
         found = curves(result, self.keys)
         trial = Trial(start=self.start, values=values, objective=objective, violation=over)
         return Design(found, trial)

@@ -7,7 +7,6 @@ from typing import Literal, get_args
 
 from gripper.names import known_names
 from gripper.result import Result
-from gripper.sensitivity.curves import CURVES, curve
 from gripper.summary import QUANTITIES
 
 Sense = Literal["minimize", "maximize", "flatten"]
@@ -37,6 +36,8 @@ class Goal:
     def __post_init__(self) -> None:
         if self.sense not in get_args(Sense):
             raise ValueError(f"sense must be one of {', '.join(get_args(Sense))}; got {self.sense!r}")
+        from gripper.sensitivity.curves import CURVES  # heavy, and only wanted once something is sought
+
         known = tuple(CURVES) if self.sense == "flatten" else DIFFERENTIATED
         if self.quantity not in known:
             raise LookupError(f"unknown quantity to {self.sense} {self.quantity!r}; known: {known_names('', known)}")
@@ -56,6 +57,8 @@ class Goal:
         if self.sense != "flatten":
             found: float | None = getattr(result.summary(), self.quantity)
             return found
+        from gripper.sensitivity.curves import curve
+
         values = curve(result, self.quantity)
         if values is None or not values.mean():
             return None

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.optimize import minimize as scipy_minimize
-from scipy.stats import qmc
 
 from gripper.arrays import Array
 from gripper.limits import Limits, judged
@@ -17,9 +16,11 @@ from gripper.optimize.goal import DIFFERENTIATED, Goal
 from gripper.optimize.optimum import Optimum
 from gripper.parameters import number, replaced
 from gripper.scene import Scene
-from gripper.sensitivity.curves import CURVES, Curves
 from gripper.solve import solve
 from gripper.trace import trace
+
+if TYPE_CHECKING:
+    from gripper.sensitivity.curves import Curves
 
 _PRICE = 100.0  # of the slack: more than a limit's multiplier, objective and limits being relative
 _UNSOLVED = -10.0  # what every constraint is where a design has no answer: a line search turns back
@@ -112,6 +113,8 @@ def _bounds(scene: Scene, key: str, pair: tuple[float, float]) -> tuple[float, f
 def _starts(evaluator: Evaluator, scene: Scene, count: int, seed: int) -> list[Array]:
     values = np.array([number(scene, key) for key in evaluator.keys])
     first = np.clip((values - evaluator.low) / (evaluator.high - evaluator.low), 0.0, 1.0)
+    from scipy.stats import qmc  # heavy, and only wanted once something is sought
+
     others = qmc.LatinHypercube(d=len(first), rng=seed).random(max(count - 1, 0))
     return [first, *others]
 
@@ -193,6 +196,8 @@ class _Program:
     def _peaks(curves: Curves, quantity: str, every: bool) -> tuple[Array, Array]:
         """The located peak and, where a largest value is to be kept down, what all poses have."""
         value, slope = curves.peak(quantity)
+        from gripper.sensitivity.curves import CURVES
+
         if not every or quantity not in CURVES:
             return np.array([value]), slope[None]
         values, slopes = curves.along(quantity)
