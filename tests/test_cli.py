@@ -92,6 +92,10 @@ def test_the_version_is_the_installed_one():
     assert gripper("--version").stdout == f"gripper {version('gripper')}\n"
 
 
+def test_help_shows_the_names_of_tables_in_their_brackets():
+    assert "[limits]" in gripper("optimize", "--help").stdout
+
+
 def test_help_names_the_exit_statuses_and_where_it_writes():
     text = " ".join(re.sub(r"[^\w\s,./-]", " ", gripper("run", "--help").stdout).split())
     assert "130 when interrupted" in text

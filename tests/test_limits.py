@@ -69,11 +69,11 @@ def test_check_prints_each_limit_with_the_pose_that_decides_and_ends_with_0_or_1
         ["pass", "max_strain"],
     ]
     assert re.fullmatch(r"pass  max_insertion_force +6 N   2\.2484 N at x_o = 0\.0649053", lines[0])
-    assert lines[3] == "all 3 limits are kept"
+    assert lines[3] == "limits kept: 3 of 3"
     broken = check(tmp_path, MICRO + limits.replace("6 N", "2 N"))
     assert broken.exit_code == 1
     assert broken.stdout.splitlines()[0].startswith("FAIL  max_insertion_force")
-    assert broken.stdout.splitlines()[-1] == "1 of 3 limits are not kept"
+    assert broken.stdout.splitlines()[-1] == "limits kept: 2 of 3"
 
 
 @pytest.mark.parametrize("text", [MICRO, MICRO + "[limits]\nmax_force = 3\n", "nonsense"])

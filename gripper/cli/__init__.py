@@ -21,6 +21,7 @@ from gripper.cli.verify import verify as _verify
 
 app = typer.Typer(
     add_completion=False,
+    rich_markup_mode="markdown",  # rich's own would take [limits] for a style and leave it out
     pretty_exceptions_enable=False,
     no_args_is_help=True,
     help="Bent shape and contact forces of compliant fingers.",
