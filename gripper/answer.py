@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from gripper.active import Verified
 from gripper.arrays import Array, Complex
 from gripper.beam import Beam
 from gripper.clearance import clearance
-from gripper.contact import Linearisation, Site, linearise
+from gripper.contact import linearise
+from gripper.contact_rows import Linearisation
 from gripper.equilibrium import Equilibrium, Setting, State, kkt_step
 from gripper.grip import tipward
 from gripper.kept import Kept
@@ -21,6 +21,8 @@ from gripper.kinematics import Placement
 from gripper.outline import Part, dot
 from gripper.parabola import vertex
 from gripper.result import Checks, Contact, ErrorEstimate, PoseResult, Shape
+from gripper.site import Site
+from gripper.verified import Verified
 
 NO_FORCE = 1e-9
 """Total contact force, over EI / L^2, below which a pose is free (grazing is free)."""

@@ -17,7 +17,7 @@ from gripper.arrays import Array, Index
 from gripper.axis import Axis
 from gripper.beam import BeamTheory
 from gripper.certificate import Survey, survey
-from gripper.contact import Site, linearise, own_segment
+from gripper.contact import linearise
 from gripper.equilibrium import Setting, State
 from gripper.friction import Friction
 from gripper.grip import Law
@@ -28,6 +28,7 @@ from gripper.pose import placed
 from gripper.result import LeftOut
 from gripper.scene import Scene
 from gripper.sections import sections
+from gripper.site import Site, own_segment
 
 _SAMPLES = 9
 _FEET = 6  # Newton steps to the foot of a normal

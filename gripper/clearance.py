@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from gripper.active import Verified
 from gripper.arrays import Array, Complex
 from gripper.equilibrium import Setting
 from gripper.obstacle import Obstacle
 from gripper.outline import UPPER, dot
 from gripper.parabola import vertex
+from gripper.verified import Verified
 
 _FEET = 5
 _OFF = 1e-7  # of L: a foot that near is on the outline

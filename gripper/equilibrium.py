@@ -20,12 +20,14 @@ import numpy as np
 from gripper.arrays import Array
 from gripper.axis import Axis
 from gripper.beam import Beam, BeamTheory
-from gripper.contact import Linearisation, Site, linearise
+from gripper.contact import linearise
+from gripper.contact_rows import Linearisation
 from gripper.grip import Law, leader
 from gripper.objects import Object
 from gripper.obstacle import Frame, Obstacle
 from gripper.outline import Outline
 from gripper.sections import Sections
+from gripper.site import Site
 
 _ITERATIONS = 20
 _CONVERGED = 1e-6  # last step, relative: the next one, of second order, would be round-off

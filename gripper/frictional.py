@@ -14,15 +14,16 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import brentq
 
-from gripper.active import Verified, untouched, verify
 from gripper.answer import Answer
+from gripper.branch import Along, Branch, Feature, features, pointed
 from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting
-from gripper.events import Along, Branch, Change, Feature, features, named, pointed, touched_at
+from gripper.events import Change, named, touched_at
 from gripper.grip import dressed
 from gripper.holds import coefficient, grip_of, leaders, margin, overdue, ratio_rate, regripped, slip_rates, tangent
 from gripper.locking import LockedError, free_slip, limiting_ratio
 from gripper.peaks import Peak
 from gripper.tracker import Tracker
+from gripper.verified import Verified, untouched, verify
 from gripper.work import BESIDE, STILL, Balance, Pace, dips, drawn, pace, speed
 
 _NUDGE = 1e-5  # of L: how far beyond the first touch the first hold is decided

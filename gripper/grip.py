@@ -18,8 +18,8 @@ from gripper.arrays import Array, Complex
 from gripper.fingers import S
 
 if TYPE_CHECKING:
-    from gripper.contact import Site
     from gripper.outline import Outline
+    from gripper.site import Site
 
 Hold = Literal["open", "slip", "stick"]
 _CONFORMING = 0.06  # of L: nodes nearer to one another than this are one contact

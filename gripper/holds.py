@@ -11,9 +11,9 @@ from dataclasses import replace
 import numpy as np
 
 from gripper.arrays import Array
-from gripper.contact import Site
 from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, settle
 from gripper.grip import Grip, leader
+from gripper.site import Site
 
 _STILL = 1e-12  # relative: slip this slow is none
 

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from gripper.active import Verified
 from gripper.answer import drive, largest_strain
 from gripper.assemble import law
 from gripper.certificate import survey
@@ -24,6 +23,7 @@ from gripper.outline import dot
 from gripper.pose_result import PoseResult
 from gripper.scene import Scene
 from gripper.splitting import is_published, split_forces
+from gripper.verified import Verified
 from gripper.watch import Watch
 
 Number = Callable[[Equilibrium], float]

@@ -13,12 +13,13 @@ from dataclasses import replace
 import numpy as np
 import scipy.linalg
 
-from gripper.active import objection, singularity
 from gripper.arrays import Array
-from gripper.contact import Site, linearise
+from gripper.contact import linearise
 from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, settle
 from gripper.grip import Grip, dressed, leader
 from gripper.holds import coefficient, grip_of, leaders, leads, slip_rates
+from gripper.site import Site
+from gripper.verified import objection, singularity
 
 _REAL = 1e-6
 _FINITE = 1e4

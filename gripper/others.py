@@ -14,7 +14,6 @@ import itertools
 
 import numpy as np
 
-from gripper.active import Verified, untouched
 from gripper.arrays import Array, Complex
 from gripper.certificate import survey
 from gripper.equilibrium import Equilibrium, Setting, State, settle
@@ -22,6 +21,7 @@ from gripper.events import named
 from gripper.grip import leader
 from gripper.holds import grip_of, leaders, slip_rates
 from gripper.obstacle import Obstacle
+from gripper.verified import Verified, untouched
 
 _CLEAR = 1e-9  # relative: rates this small decide nothing
 _MOST = 4  # contacts that slip, of which all holds are tried

@@ -8,8 +8,8 @@ import numpy as np
 
 from gripper.answer import drive
 from gripper.arrays import Array
+from gripper.branch import Along, Branch, Path
 from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting
-from gripper.events import Along, Branch, Path
 from gripper.work import Pace, cubic, pace
 
 _MARKS = np.linspace(0.0, 1.0, 33)

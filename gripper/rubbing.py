@@ -16,7 +16,8 @@ from gripper.grip import Anchor, leader
 from gripper.outline import Outline, dot
 
 if TYPE_CHECKING:
-    from gripper.contact import Site, System
+    from gripper.contact_rows import System
+    from gripper.site import Site
 
 
 @dataclass(frozen=True, eq=False)

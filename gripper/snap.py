@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import minimize
 
-from gripper.active import Verified, find
+from gripper.active import find
 from gripper.arrays import Array, Complex
 from gripper.assemble import Problem, near
 from gripper.certificate import survey
 from gripper.equilibrium import NoEquilibriumError, Setting, State
 from gripper.obstacle import Obstacle
+from gripper.verified import Verified
 
 _STEPS = 150
 _TRIES = 3

@@ -6,7 +6,6 @@ import time
 from collections.abc import Sequence
 from dataclasses import replace
 
-from gripper.active import Verified, untouched
 from gripper.answer import Answer, pose_result
 from gripper.assemble import first_order, law, left_out, setting
 from gripper.certificate import survey
@@ -20,6 +19,7 @@ from gripper.result import Model, PoseResult, Result
 from gripper.scene import Scene
 from gripper.splitting import NOTE, is_published, split
 from gripper.validity import plane_difference, warnings
+from gripper.verified import Verified, untouched
 
 NOT_MODELLED = (
     "deformation of the section and of the surface at the contact",

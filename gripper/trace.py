@@ -8,8 +8,9 @@ from dataclasses import replace
 
 from gripper.assemble import first_order, setting
 from gripper.beam import BeamTheory
+from gripper.branch import Along
 from gripper.equilibrium import NoEquilibriumError, Setting
-from gripper.events import STRUT, Along
+from gripper.events import STRUT
 from gripper.extremes import Extreme, Extremes
 from gripper.frictional import FrictionTracker, tracker_for
 from gripper.kinematics import Kinematics

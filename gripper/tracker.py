@@ -11,14 +11,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from gripper.active import Verified, find, settle_contacts, untouched, verify
+from gripper.active import find
 from gripper.answer import Answer, discretisation_error
+from gripper.branch import Along, Path
 from gripper.certificate import DEPTH, Survey, survey
 from gripper.clearance import clearance
-from gripper.contact import Site, linearise, pointed
+from gripper.contact import linearise
 from gripper.equilibrium import NoEquilibriumError, Setting, State, predicted, straight, unloaded
-from gripper.events import STRUT, Along, Change, Path, changes, head_on, transition
+from gripper.events import STRUT, Change, changes, head_on, transition
+from gripper.patches import settle_contacts
+from gripper.site import Site, pointed
 from gripper.snap import descend, distance
+from gripper.verified import Verified, untouched, verify
 from gripper.watch import Watch
 
 ON_CLAMP = "the object lies on the clamp"

@@ -14,9 +14,9 @@ import numpy as np
 
 from gripper.answer import drive
 from gripper.arrays import Array
+from gripper.branch import Along, Branch, Path
 from gripper.climb import MARKS, Climber, Flank, Measure, Sample, Summit, at_change
 from gripper.equilibrium import NoEquilibriumError, Setting
-from gripper.events import Along, Branch, Path
 from gripper.work import Balance, cubic
 
 _RIVALS = 3  # local maxima that are climbed

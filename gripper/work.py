@@ -13,9 +13,9 @@ import numpy as np
 
 from gripper.answer import drive
 from gripper.arrays import Array
+from gripper.branch import Along, Path
 from gripper.contact import linearise
 from gripper.equilibrium import Equilibrium, Setting, predicted
-from gripper.events import Along, Path
 from gripper.holds import coefficient, leaders, tangent
 from gripper.rubbing import dissipation
 

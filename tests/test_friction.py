@@ -15,12 +15,13 @@ from hypothesis import strategies as st
 
 import gripper as gr
 from gripper.assemble import setting
-from gripper.contact import Site, linearise
+from gripper.contact import linearise
 from gripper.equilibrium import State, settle
 from gripper.frictional import tracker_for
 from gripper.grip import Grip, Law, grouped
 from gripper.kinematics import Kinematics
 from gripper.others import answers, compliance
+from gripper.site import Site
 from gripper.tracker import Tracker
 from gripper_plugins.objects.circle import Circle
 from gripper_plugins.objects.ellipse import Ellipse

@@ -17,8 +17,8 @@ import gripper as gr
 from gripper import scenefile
 from gripper.assemble import setting
 from gripper.cli import app
-from gripper.contact import Site
 from gripper.kinematics import Kinematics
+from gripper.site import Site
 from gripper.study.cost import single_pose
 from gripper.study.outcome import QUANTITIES
 from gripper.study.precision import SHIFTS, NoReferenceError, Work, WorkPrecision, reference, study

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 import gripper as gr
-from gripper.active import Verified
 from gripper.answer import Answer, pose_result
 from gripper.assemble import setting
 from gripper.certificate import survey
@@ -19,6 +18,7 @@ from gripper.kinematics import Kinematics
 from gripper.parameters import numbers, replaced
 from gripper.sensitivity import PoseSensitivity
 from gripper.sensitivity.opened import NotOpenError
+from gripper.verified import Verified
 from gripper_plugins.fingers.tapered import Tapered
 from gripper_plugins.objects.circle import Circle
 from gripper_plugins.objects.ellipse import Ellipse

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from gripper.contact import Site
 from gripper.equilibrium import Equilibrium
 from gripper.fingers import Finger, Material
 from gripper.holds import coefficient, grip_of, leaders, slip_rates, tangent
@@ -16,6 +15,7 @@ from gripper.outline import Outline
 from gripper.pose import placed
 from gripper.pose_result import PoseResult
 from gripper.scene import Scene
+from gripper.site import Site
 
 if TYPE_CHECKING:
     from gripper.result import Result

@@ -13,9 +13,8 @@ import numpy as np
 
 from gripper.answer import largest_strain
 from gripper.arrays import Array
-from gripper.contact import Site
+from gripper.branch import Along, Branch
 from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, settle
-from gripper.events import Along, Branch
 from gripper.grip import dressed
 from gripper.holds import coefficient
 from gripper.outline import LOWER, UPPER
@@ -23,6 +22,7 @@ from gripper.sensitivity.limits import FEEBLE, at_end
 from gripper.sensitivity.numbers import Reading
 from gripper.sensitivity.seeds import Seeds
 from gripper.sensitivity.tangent import Rates, rates
+from gripper.site import Site
 
 _STATIONARY = 1e-3  # of a number, over 1 % of the motion: what a peak that was located may still rise
 _SHARP = 1e-8  # the same, where it is sharp enough

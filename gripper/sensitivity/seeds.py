@@ -10,7 +10,6 @@ import numpy as np
 import sympy
 
 from gripper.arrays import Array, Complex
-from gripper.contact import Site
 from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting
 from gripper.friction import Coefficients
 from gripper.kinematics import Kinematics
@@ -22,6 +21,7 @@ from gripper.sensitivity.flow import Change
 from gripper.sensitivity.object_rates import ObjectRates
 from gripper.sensitivity.tangent import Rates, rates
 from gripper.sensitivity.touching import Span, Touching
+from gripper.site import Site
 
 MOTION = "the motion's parameter"
 _POSES = ("x", "y", "angle")

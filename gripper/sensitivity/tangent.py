@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gripper.arrays import Array
-from gripper.contact import pressure_rule
 from gripper.outline import dot
 from gripper.sensitivity.flow import Change, Flow, flow, load_rates
 from gripper.sensitivity.touching import Span, Touching
+from gripper.site import pressure_rule
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gripper.arrays import Array, Complex, Index
-from gripper.contact import Site, pressure_rule
 from gripper.equilibrium import Equilibrium, Setting
 from gripper.grip import Anchor, leader
 from gripper.outline import UPPER, dot
 from gripper.sensitivity.finger_rates import FingerRates
 from gripper.sensitivity.geometry import Geometry, Marks
+from gripper.site import Site, pressure_rule
 
 _SPREAD = ("patch", "tail")
 

@@ -10,7 +10,7 @@ from scipy.interpolate import CubicSpline
 
 from gripper.arrays import Array, Complex, Index
 from gripper.axis import Axis
-from gripper.contact import Linearisation
+from gripper.contact_rows import Linearisation
 from gripper.equilibrium import Setting, State
 from gripper.objects import Object
 from gripper.obstacle import Obstacle

@@ -21,10 +21,10 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import root
 
 from gripper.arrays import Array, Complex
-from gripper.contact import Site
 from gripper.equilibrium import Equilibrium, Setting
 from gripper.obstacle import Obstacle
 from gripper.outline import LOWER, UPPER
+from gripper.site import Site
 
 MARKS = np.linspace(0.0, 1.0, 65)
 """Stations (by L) at which shapes are compared."""

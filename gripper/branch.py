@@ -1,0 +1,159 @@
+"""One set of contacts along a motion: its equilibria between two poses, wherever they are asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Literal, Protocol
+
+import numpy as np
+from scipy.optimize import brentq
+
+from gripper.certificate import survey
+from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, predicted, settle
+from gripper.obstacle import Frame
+from gripper.site import Site
+from gripper.snap import distance
+
+Feature = tuple[Literal["flank", "corner", "vertex"], int, int]
+_ROUND_OFF = 1e-13
+_HALVINGS = 4  # of a way along a branch
+_DEPARTS = 0.5  # of a step: what it may differ from its prediction
+_APART = 1e-4  # of L: shapes that differ by more are of different branches
+SHARP = 1e-10  # of the step: where an event is located to
+
+
+class Path(Protocol):
+    """Frames of the object along a parameter."""
+
+    def frame(self, parameter: float) -> Frame:
+        """The object's frame relative to the clamp."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Along:
+    """An equilibrium and where on the path it stands."""
+
+    parameter: float
+    equilibrium: Equilibrium
+
+
+def features(sites: tuple[Site, ...]) -> dict[Feature, int]:
+    """What touches, and the number of its site; a patch that ends in the tip's corner is the corner."""
+    kinds: dict[str, Literal["flank", "corner", "vertex"]] = {"corner": "corner", "vertex": "vertex"}
+    return {
+        (kinds.get(site.kind, "flank"), site.piece, site.vertex): i
+        for i, site in enumerate(sites)
+        if site.kind != "tail"
+    }
+
+
+class Branch:
+    """The equilibria of one set of contacts near a known one, each reached from the nearest that is known."""
+
+    def __init__(self, setting: Setting, path: Path, known: Along, order: int) -> None:
+        self.setting, self.path, self.order = setting, path, order
+        self.known = [known]
+
+    def at(self, parameter: float) -> Equilibrium:
+        """The equilibrium at a parameter.
+
+        Raises
+        ------
+        NoEquilibriumError
+            Where Newton does not reach it.
+        """
+        return self._reached(parameter, _HALVINGS)
+
+    def _reached(self, parameter: float, halvings: int) -> Equilibrium:
+        start = min(self.known, key=lambda at: abs(at.parameter - parameter))
+        if start.parameter == parameter:
+            return start.equilibrium
+        guess = predicted(self.setting, start.equilibrium, parameter - start.parameter)
+        expected = float(np.linalg.norm(guess.z - start.equilibrium.state.z))
+        found = settle(self.setting, self.setting.obstacle(self.path.frame(parameter)), guess, self.order)
+        if found.correction > _DEPARTS * expected + _APART:
+            if not halvings:
+                raise NoEquilibriumError("the step departs from its prediction")
+            self._reached((start.parameter + parameter) / 2, halvings - 1)
+            return self._reached(parameter, halvings - 1)
+        self.known.append(Along(parameter, found))
+        return found
+
+
+def pointed(setting: Setting, equilibrium: Equilibrium, order: int) -> Equilibrium:
+    """All patches as points."""
+    for i in range(len(equilibrium.state.sites)):
+        equilibrium = _pointed(setting, equilibrium, i, order)
+    return equilibrium
+
+
+def _pointed(setting: Setting, equilibrium: Equilibrium, i: int, order: int) -> Equilibrium:
+    """A patch shrinks to a point before it lets go: followed as a point, which may pull beyond the event."""
+    site = equilibrium.state.sites[i]
+    if site.kind != "patch":
+        return equilibrium
+    state = equilibrium.state
+    first = sum(s.multipliers for s in state.sites[:i])
+    sites = (*state.sites[:i], replace(site, kind="tangent", place=(site.middle,), modes=1), *state.sites[i + 1 :])
+    multipliers = np.delete(state.multipliers, range(first + 1, first + site.multipliers))
+    return settle(setting, equilibrium.obstacle, State(state.beam, state.z, sites, multipliers), order)
+
+
+def joined(setting: Setting, path: Path, there: Along, known: Along, order: int, apart: float = _APART) -> float:
+    """Where an event is, once the branch of a known equilibrium is seen to meet the event's.
+
+    Raises
+    ------
+    NoEquilibriumError
+        Where they do not meet: the step leads to another branch.
+    """
+    other = Branch(setting, path, known, order).at(there.parameter)
+    if distance(there.equilibrium.state, other.state) > apart:
+        raise NoEquilibriumError("the step leads to another branch")
+    return there.parameter
+
+
+def bracketed(value: Callable[[float], float], start: float, stop: float) -> float:
+    """The root between two parameters.
+
+    Raises
+    ------
+    NoEquilibriumError
+        Where there is none.
+    """
+    first, last = value(start), value(stop)
+    if abs(first) < _ROUND_OFF or abs(last) < _ROUND_OFF:
+        return start if abs(first) < abs(last) else stop
+    if first * last > 0:
+        raise NoEquilibriumError("the step leads to another branch")
+    return float(brentq(value, start, stop, xtol=SHARP * abs(stop - start), rtol=1e-14))
+
+
+def number(known: Along, feature: Feature) -> int:
+    """Which of its sites a contact is."""
+    return features(known.equilibrium.state.sites)[feature]
+
+
+def released(setting: Setting, path: Path, known: Along, other: Along, feature: Feature, order: int) -> float:
+    """Where a contact's multiplier vanishes on the branch of a known equilibrium, the contact held beyond.
+
+    Raises
+    ------
+    NoEquilibriumError
+        Where it does not, or where something else has touched before.
+    """
+    i = features(known.equilibrium.state.sites)[feature]
+    branch = Branch(setting, path, replace(known, equilibrium=_pointed(setting, known.equilibrium, i, order)), order)
+    where = bracketed(lambda parameter: _pressing(setting, branch.at(parameter), i), known.parameter, other.parameter)
+    there = branch.at(where)
+    if not survey(setting, there.obstacle, there.state).clear:
+        raise NoEquilibriumError("something else touches before")
+    return joined(setting, path, Along(where, there), other, order)
+
+
+def _pressing(setting: Setting, equilibrium: Equilibrium, i: int) -> float:
+    """The multiplier of a contact: 0 where it is released, or was not yet touched."""
+    sites = equilibrium.state.sites
+    return float(equilibrium.state.multipliers[sum(site.multipliers for site in sites[:i])])
