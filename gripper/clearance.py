@@ -11,13 +11,14 @@ from gripper.outline import UPPER, dot
 from gripper.parabola import vertex
 from gripper.verified import Verified
 
-_FEET = 5
+_FEET = 60  # far from the object each step halves the way that is left, near it Newton's doubles the digits
 _OFF = 1e-7  # of L: a foot that near is on the outline
 _ARRIVED = 1e-8  # of L: the distance of a foot that is off by this much is right to its square
 _MARKS = np.linspace(-1.0, 1.0, 9)
-_ZOOMS = 5
+_ZOOMS = 7
 _FINER = 16.0  # a parabola's vertex is that much nearer than the samples
 _SETTLED = 1e-10  # of L
+_SMOOTH = 0.01  # of the marks' spacing: two neighbours together rise by less where the distance has no corner
 _WIDER = 2.0  # g / |grad g| may be off a distance by this much: samples within it are looked at
 
 
@@ -78,8 +79,10 @@ def _distance(setting: Setting, verified: Verified) -> float:
         marks = (u + step * _MARKS).clip(0.0, length)
         segment = state.beam.segment_of(marks) if piece <= UPPER else np.full(marks.size, state.beam.segments - 1)
         found = distances(obstacle, setting.outline.trace(state.axis, which, marks, segment)[0])
-        i, before = int(np.argmin(found)), least
-        u, least, step = vertex(marks, found, i)[0], min(least, float(found[i])), step / _FINER
-        if before - least < _SETTLED:
+        i = int(np.argmin(found))
+        (u, lowest), least = vertex(marks, found, i), min(least, float(found[i]))
+        beside = found[max(i - 1, 0) : i + 2]
+        if least - lowest < _SETTLED and np.ptp(beside) < _SMOOTH * step:
             break
+        step /= _FINER
     return least

@@ -228,7 +228,22 @@ def test_a_free_finger_is_straight_and_knows_its_distance(gap: float) -> None:
     pose = answer(gr.Scene(finger=unit_finger(), object=Circle(radius=0.25).at(x=0.5, y=-0.28 - gap)))
     assert pose.status == "free" and pose.contacts == () and pose.reason is None
     assert pose.force_on_object == (0, 0) and pose.energy == pose.clamp_moment == pose.tip_rotation == 0
-    assert pose.min_gap == pytest.approx(gap, rel=1e-4, abs=1e-12)
+    assert pose.min_gap == pytest.approx(gap, rel=1e-6, abs=1e-12)
+
+
+@pytest.mark.parametrize("gap", [1e-1, 1e-3, 1e-5, 0.0])
+def test_the_distance_to_a_corner_between_samples_is_found(gap: float) -> None:
+    wedge = Polygon(vertices=((0.4, -0.6), (0.4711, -0.03), (0.55, -0.6)))
+    pose = answer(gr.Scene(finger=unit_finger(), object=wedge.at(y=-gap), theory="bending"))
+    assert pose.min_gap == pytest.approx(gap, rel=1e-6, abs=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "corner"), [(-2.0, 0.0, (0, 0.03)), (-0.5, 1.0, (0, 0.03)), (3.0, -2.0, (1, -0.03))]
+)
+def test_the_distance_to_an_object_far_away_is_right(x: float, y: float, corner: tuple[float, float]) -> None:
+    pose = answer(gr.Scene(finger=unit_finger(), object=Circle(radius=0.05).at(x=x, y=y)))
+    assert pose.min_gap == pytest.approx(math.dist((x, y), corner) - 0.05, rel=1e-9)
 
 
 @pytest.mark.parametrize("depth", [1e-3, 1e-4])
