@@ -10,64 +10,35 @@ After C.-C. Lan and K.-M. Lee, "An Analytical Method for Design of Compliant Gri
 and Assembly Applications". SI units and radians throughout.
 """
 
-from gripper.assemble import Problem, assemble
-from gripper.bands import Band, linear_bands, sampled_bands
-from gripper.fields import Expression, Finite, Point, Positive, Profile, Surface
-from gripper.fingers import Finger, Jaw, Material
-from gripper.friction import Coefficients, Friction
-from gripper.limits import Limits, Verdict, judged
-from gripper.loop import Loop
-from gripper.materials import material
-from gripper.objects import FeatureSurface, ImplicitSurface, Object
-from gripper.optimize import Optimum, optimize
-from gripper.pose import Placed, Pose
-from gripper.result import Contact, Event, PoseResult, Result
-from gripper.scene import Motion, Scene
-from gripper.solve import solve
-from gripper.summary import Summary
-from gripper.sweep import Sweep, sweep
-from gripper.tolerances import Tolerances
-from gripper.trace import trace
+import ast
+import importlib
+import sys
+from pathlib import Path
+from types import ModuleType
+from typing import Any
 
-__all__ = [
-    "Band",
-    "Coefficients",
-    "Contact",
-    "Event",
-    "Expression",
-    "FeatureSurface",
-    "Finger",
-    "Finite",
-    "Friction",
-    "ImplicitSurface",
-    "Jaw",
-    "Limits",
-    "Loop",
-    "Material",
-    "Motion",
-    "Object",
-    "Optimum",
-    "Placed",
-    "Point",
-    "Pose",
-    "PoseResult",
-    "Positive",
-    "Problem",
-    "Profile",
-    "Result",
-    "Scene",
-    "Summary",
-    "Surface",
-    "Sweep",
-    "Tolerances",
-    "Verdict",
-    "assemble",
-    "judged",
-    "linear_bands",
-    "material",
-    "optimize",
-    "sampled_bands",
-    "solve",
-    "sweep",
-    "trace",
-]
+_PUBLIC = ast.parse(Path(__file__).with_suffix(".pyi").read_text(encoding="utf-8")).body
+_HOMES = {name.name: node.module for node in _PUBLIC if isinstance(node, ast.ImportFrom) for name in node.names}
+__all__ = sorted(_HOMES)
+
+
+class _Package(ModuleType):
+    """This package: a public name is imported, from where __init__.pyi says, when it is first asked for."""
+
+    def __getattr__(self, name: str) -> Any:
+        if name not in _HOMES:
+            raise AttributeError(f"module {self.__name__!r} has no attribute {name!r}", name=name, obj=self)
+        value = getattr(importlib.import_module(str(_HOMES[name])), name)
+        self.__dict__[name] = value
+        return value
+
+    def __setattr__(self, name: str, value: object) -> None:
+        # gripper.solve is the function: the import of the module of that name must not put itself in its place
+        if not (name in _HOMES and isinstance(value, ModuleType)):
+            super().__setattr__(name, value)
+
+    def __dir__(self) -> list[str]:
+        return sorted({*super().__dir__(), *__all__})
+
+
+sys.modules[__name__].__class__ = _Package

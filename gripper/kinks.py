@@ -7,7 +7,6 @@ from itertools import combinations
 
 import numpy as np
 import sympy
-from scipy.optimize import brentq
 
 from gripper.arrays import Array
 
@@ -56,6 +55,8 @@ def switches(profile: sympy.Expr) -> Iterator[sympy.Expr]:
 def _roots(switch: sympy.Expr, s: sympy.Symbol, places: Array) -> list[float]:
     if s not in switch.free_symbols:
         return []
+    from scipy.optimize import brentq  # as heavy as sympy itself, and few profiles switch
+
     function = sympy.lambdify([s], switch, "numpy")
     with np.errstate(all="ignore"):
         values = np.asarray(function(places), dtype=float)

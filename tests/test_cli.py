@@ -12,9 +12,10 @@ import pytest
 from typer.testing import CliRunner
 
 from gripper.cli import app
+from gripper.describe import describe as resolved
 from gripper.output import FILES
 from gripper.registry import GROUPS, installed
-from gripper.scenefile import read, resolved
+from gripper.scenefile import read
 
 GALLERY = Path(__file__).parent.parent / "gallery"
 GOOD = (GALLERY / "rotating_finger.toml").read_text()

@@ -14,9 +14,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from gripper.cli.run import solved
+from gripper.describe import describe as resolved
 from gripper.expression import parse
 from gripper.expression.vocabulary import FUNCTIONS, UNITS
-from gripper.scenefile import SceneFileError, dumps, loads, resolved
+from gripper.scenefile import SceneFileError, dumps, loads
 from gripper.scenefile.toml import written
 
 short = settings(derandomize=True, deadline=None, max_examples=25, suppress_health_check=list(HealthCheck))

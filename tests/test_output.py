@@ -7,9 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from gripper.describe import describe as resolved
 from gripper.output import FILES, NotWrittenError, as_json, prepared, write, write_files
 from gripper.result import Model, PoseResult, Result, Shape
-from gripper.scenefile import read, resolved
+from gripper.scenefile import read
 
 GALLERY = Path(__file__).parent.parent / "gallery"
 SCENE = read(GALLERY / "micro_assembly.toml")

@@ -12,11 +12,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gripper.assemble import setting
+from gripper.describe import describe as resolved
 from gripper.fields import Point, Positive, Profile, Surface, check_fields
 from gripper.fingers import S
 from gripper.pose import Pose
 from gripper.registry import installed, load
-from gripper.scenefile import SceneFileError, dumps, loads, read, resolved
+from gripper.scenefile import SceneFileError, dumps, loads, read
 from gripper.scenefile.place import Place
 from gripper.scenefile.tables import build
 from gripper.scenefile.toml import written

@@ -5,15 +5,15 @@ from __future__ import annotations
 import json
 import os
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-import numpy as np
+from gripper.scenefile import toml
+from gripper.scenefile.place import Place, SceneFileError, Table, as_table
 
-from gripper.describe import describe as resolved
-from gripper.scene import Scene
-from gripper.scenefile import sections, toml
-from gripper.scenefile.place import Place, SceneFileError, as_table
+if TYPE_CHECKING:
+    from gripper.scene import Scene
 
-__all__ = ["SceneFileError", "dumps", "loads", "read", "resolved"]
+__all__ = ["SceneFileError", "dumps", "loads", "read"]
 
 LARGEST_FILE = 5_000_000
 """Bytes; a scene of as many listed poses as a motion may have has 2 million."""
@@ -56,8 +56,17 @@ def _of_result(text: str, place: Place) -> Scene:
         raise place.error("must be JSON, as result.json is", f"{type(error).__name__}: {error}") from None
     tables = result.get("scene") if isinstance(result, dict) else None
     place = place.at("scene")
-    with np.errstate(all="ignore"):
-        return sections.scene(as_table(tables, place), place)
+    return _made(as_table(tables, place), place)
+
+
+def _made(tables: Table, place: Place) -> Scene:
+    """Make the scene of a file's tables; what that needs is imported once they are seen to be tables."""
+    import numpy as np
+
+    from gripper.scenefile import sections
+
+    with np.errstate(all="ignore"):  # what is not finite is refused by its value
+        return sections.scene(tables, place)
 
 
 def loads(text: str, name: str = "scene") -> Scene:
@@ -76,8 +85,7 @@ def loads(text: str, name: str = "scene") -> Scene:
         It breaks a rule: one line with name, key, rule and the value got.
     """
     place = Place(name)
-    with np.errstate(all="ignore"):  # what is not finite is refused by its value
-        return sections.scene(toml.tables(text, place), place)
+    return _made(toml.tables(text, place), place)
 
 
 def dumps(scene: Scene) -> str:
@@ -86,4 +94,6 @@ def dumps(scene: Scene) -> str:
     Reading it back gives the same scene, whose parts all have poses and whose material has its shear modulus.
     Plugins must be registered, as ``gripper plugins`` lists them: a class without a name reads back as an error.
     """
-    return toml.written(resolved(scene))
+    from gripper.describe import describe
+
+    return toml.written(describe(scene))
