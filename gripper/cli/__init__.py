@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import signal
 from importlib.metadata import version
 from typing import Annotated
 
 import typer
 
+from gripper.__main__ import main as main  # scripts installed before name it here
 from gripper.cli.animate import animate as _animate
 from gripper.cli.check import check as _check
 from gripper.cli.explain import explain as _explain
@@ -36,12 +36,6 @@ app.command("verify")(_verify)
 app.command("plugins")(_plugins)
 app.command("explain")(_explain)
 app.command("study")(_study)
-
-
-def main() -> None:
-    """Run the command line; a batch system's SIGTERM is a Ctrl-C, so that what was computed is kept."""
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
-    app()
 
 
 def _version(wanted: bool) -> None:
