@@ -8,12 +8,14 @@ import pickle
 
 import numpy as np
 import pytest
+import sympy
 
 import gripper as gr
 from gripper.answer import Answer, pose_result
 from gripper.assemble import setting
 from gripper.certificate import survey
 from gripper.equilibrium import settle
+from gripper.fingers import S
 from gripper.kinematics import Kinematics
 from gripper.parameters import numbers, replaced
 from gripper.sensitivity import PoseSensitivity
@@ -23,10 +25,18 @@ from gripper_plugins.fingers.tapered import Tapered
 from gripper_plugins.objects.circle import Circle
 from gripper_plugins.objects.ellipse import Ellipse
 from gripper_plugins.objects.polygon import Polygon
-from tests.scenes import PLASTIC, RUBBER, follow, micro_assembly, rotating_finger, unit_finger
+from tests.scenes import PLASTIC, RUBBER, Q, follow, micro_assembly, rotating_finger, unit_finger
 
 ROUGH, SLIPPERY = gr.Friction(coefficient=0.3), gr.Friction(coefficient=0.2)
 NAMES = [f.name for f in dataclasses.fields(PoseSensitivity) if f.name not in ("parameter", "kind", "reason")]
+
+
+def bent(curvature, **options):
+    """A finger that is bent at rest, and a circle that comes from below."""
+    motion, body = gr.Motion("q", (-0.6, -0.1)), Circle(radius=0.15).at(x=0.6, y=Q)
+    return gr.Scene(finger=unit_finger(rest_curvature=curvature), object=body, motion=motion, **options)
+
+
 MOTIONS = {
     "I, lead face": micro_assembly(0.086, 0.0678),
     "I, hook's corner": micro_assembly(0.086, 0.0629),
@@ -36,6 +46,12 @@ MOTIONS = {
     "II, bending": rotating_finger(-0.1016, 0.0508, theory="bending"),
     "II, slipping": rotating_finger(-0.1016, 0.0, friction=SLIPPERY),
     "II, slipping the other way": rotating_finger(-0.1016, 0.06, friction=SLIPPERY),
+    "I, hook's corner, stretch, slipping": micro_assembly(0.086, 0.055, theory="stretch", friction=ROUGH),
+    "II, stretch": rotating_finger(-0.1016, 0.0, theory="stretch"),
+    "II, stretch, slipping": rotating_finger(-0.1016, 0.0, theory="stretch", friction=SLIPPERY),
+    "bent at rest, slipping": bent(-1.0 + 3.0 * S, theory="bending", friction=SLIPPERY),
+    "bent at rest beyond a kink, stretch": bent(sympy.Max(0, S - 0.4) * 3, theory="stretch"),
+    "bent at rest by a step, touching nothing": bent(sympy.Piecewise((0.8, S < 0.35), (-0.5, True)), theory="shear"),
 }
 
 
@@ -66,7 +82,7 @@ def test_derivatives_are_those_of_the_discrete_equations_by_every_number(motion)
     result = gr.trace(scene)
     for key, sensitivity in result.sensitivities().items():
         value, exact = numbers(scene)[key], sensitivity.poses[-1]
-        step = 2e-4 * (abs(value) or 1e-2)
+        step = 2e-4 * (1.0 if key == "finger.rest_curvature" else abs(value) or 1e-2)
         shifted = {
             n: solved(replaced(scene, {key: value + n * step}), last.equilibrium.state, scene.motion.values[-1])
             for n in (-2, -1, 1, 2)
@@ -237,8 +253,6 @@ def test_what_has_no_derivative_is_refused():
         result.sensitivity("friction.coefficient")
     with pytest.raises(ValueError, match="equilibria are never written or pickled"):
         pickle.loads(pickle.dumps(result)).sensitivity("finger.length")
-    with pytest.raises(ValueError, match="theory must be one of bending, shear, to be differentiated; got 'stretch'"):
-        gr.solve(dataclasses.replace(ELLIPTIC, theory="stretch")).sensitivity("finger.length")
     published = gr.Friction(coefficient=0.1, model="published", sense="tipward")
     with pytest.raises(ValueError, match="model of friction must be 'coulomb'"):
         gr.solve(dataclasses.replace(ELLIPTIC, friction=published)).sensitivity("finger.length")

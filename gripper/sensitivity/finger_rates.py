@@ -34,7 +34,8 @@ class FingerRates:
         self.keys = tuple(symbols)
         self.values = [values[key] for key in self.keys]
         by = tuple(symbols[key] for key in self.keys)
-        expressions = (formulas.thickness, sympy.diff(formulas.thickness, S), formulas.bending, formulas.shear)
+        stiffness = (formulas.bending, formulas.shear, formulas.stretch)
+        expressions = (formulas.thickness, sympy.diff(formulas.thickness, S), *stiffness)
         self._along = derivatives(expressions, (S, *by), (S, *by))
         self._kinks = derivatives(formulas.kinks, by, by) if formulas.kinks else None
         flat = tuple(value for point in formulas.jaw for value in point)
@@ -45,12 +46,12 @@ class FingerRates:
         self.log_stiffness = clamp[2:, 2, 0] / clamp[0, 2, 0]
 
     def _table(self, sigma: Array) -> Array:
-        """w, w', EI, GA in SI, then their rates by s and by each number: (2 + p, 4, k)."""
+        """w, w', EI, GA, EA in SI, then their rates by s and by each number: (2 + p, 5, k)."""
         found = self._along(sigma * self.length, *self.values)
         table = np.empty((len(found), sigma.size))
         for row, values in enumerate(found):
             table[row] = values  # a constant fills its row
-        return table.reshape(2 + self.count, 4, sigma.size)
+        return table.reshape(2 + self.count, 5, sigma.size)
 
     def thickness(self, sigma: Array) -> tuple[Array, Array]:
         """Rates of w / L and of dw/ds, (p, k)."""
@@ -60,19 +61,33 @@ class FingerRates:
         return thick, table[2:, 1] + stretch * slope[1] * moved
 
     def stiffness(self, sigma: Array, fields: int) -> tuple[Array, Array, Array]:
-        """EI over EI(0) and GA L^2 over EI(0): values and slopes by sigma (fields, k), rates (p, fields, k)."""
+        """EI, GA L^2 and EA L^2 over EI(0): values and slopes by sigma (fields, k), rates (p, fields, k)."""
         table = self._table(sigma)[:, 2 : 2 + fields]
-        unit = np.array([1.0, self.length**2])[:fields, None] / self.sections.bending_stiffness
-        powers = np.array([0.0, 2.0])[:fields, None]
+        unit = np.array([1.0, self.length**2, self.length**2])[:fields, None] / self.sections.bending_stiffness
+        powers = np.array([0.0, 2.0, 2.0])[:fields, None]
         values, slopes = table[0] * unit, table[1] * unit * self.length
         stretch, stiffer = self.log_length[:, None, None], self.log_stiffness[:, None, None]
         return values, slopes, table[2:] * unit + stretch * slopes * sigma + values * (powers * stretch - stiffer)
 
+    def rest(self, sigma: Array) -> tuple[Array, Array]:
+        """Rates of the unloaded section's angle, and of the curvature at rest times L, (p, k)."""
+        own, stretch = self.sections.rest, self.log_length[:, None]
+        curved = np.array([self.length if key == "rest_curvature" else 0.0 for key in self.keys])[:, None]
+        turns, bends = curved * sigma, curved + 0 * sigma
+        if own is not None:
+            curvature, slope = own.curvature(sigma)
+            turns, bends = turns + stretch * sigma * curvature, bends + stretch * (curvature + sigma * slope)
+        return turns, bends
+
     def kinks(self) -> tuple[Array, Array]:
-        """The profile's kinks by L (j,), and their rates (p, j)."""
-        if self._kinks is None:
-            return np.zeros(0), np.zeros((self.count, 0))
-        table = np.array(self._kinks(*self.values), dtype=float).reshape(1 + self.count, -1) / self.length
+        """Kinks of profile and rest shape by L (j,), and their rates (p, j)."""
+        own, table = self.sections.rest, np.zeros((1 + self.count, 0))
+        if self._kinks is not None:
+            table = np.array(self._kinks(*self.values), dtype=float).reshape(1 + self.count, -1) / self.length
+        if own is not None:
+            bent = np.zeros((1 + self.count, len(own.kinks)))
+            bent[0] = own.kinks
+            table = np.concatenate([table, bent], axis=1)
         return table[0], table[1:] - self.log_length[:, None] * table[0]
 
     def lengths(self) -> Array:

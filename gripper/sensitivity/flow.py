@@ -35,6 +35,9 @@ class Change:
     vertices: Complex  # the object's corners, (d, q)
     ratios: Array  # of friction, at fixed places, (d, q)
     slips: Array  # conditions of stick, at fixed places of the finger, (d, places)
+    rest: Array  # angle of the unloaded section at fixed places: the Gauss points, (d, g)
+    rest_turns: Array  # the same of the queries, (d, q)
+    rest_bends: Array  # the unloaded finger's curvature at fixed places of the queries, (d, q)
     coefficients: Array | None = None  # (d, fields, segments, modes)
     weights: Array | None = None  # forces along grad g, (d, q)
 
@@ -53,6 +56,9 @@ class Change:
             vertices=np.zeros((count, q), dtype=complex),
             ratios=np.zeros((count, q)),
             slips=np.zeros((count, touching.columns)),
+            rest=np.zeros((count, geometry.segments * geometry.count)),
+            rest_turns=np.zeros((count, q)),
+            rest_bends=np.zeros((count, q)),
         )
 
     def beside(self, other: Change) -> Change:
@@ -79,12 +85,14 @@ class Flow:
 def flow(touching: Touching, change: Change) -> Flow:
     """Rates of points, tangents, gaps and forces."""
     t, geometry = touching, touching.geometry
-    bending = geometry.bent(np.diff(change.breaks, axis=1), change.coefficients)
-    turns = bending.products @ t.marks.turns.T
+    rest, rest_turns, rest_bends = t.unloaded(change.breaks, change.queries)
+    bending = geometry.bent(np.diff(change.breaks, axis=1), change.coefficients, change.rest + rest)
+    turns = bending.products @ t.marks.turns.T + change.rest_turns + rest_turns
     offsets = change.offsets + t.offset_slope * change.queries
     slopes = change.offset_slopes + t.offset_bend * change.queries
     points = bending.runs @ t.marks.places.T + (offsets + 1j * t.offset * turns) * t.turn
-    tangents = 1j * turns * t.tangents + t.turn * (slopes + 1j * t.kappa * offsets)
+    bends = t.offset * (change.rest_bends + rest_bends)
+    tangents = 1j * turns * t.tangents + t.turn * (slopes + 1j * (t.kappa * offsets + bends))
     if change.coefficients is not None:
         tangents += t.turn * _strained(t, change.coefficients)
     normals = change.normals + t.curved(points)
@@ -97,8 +105,9 @@ def _strained(t: Touching, coefficients: Array) -> Complex:
     """Rate of the tangent in the section's frame from the strains' own."""
     local = [np.einsum("km,dfkm->dfk", side.modes, coefficients[:, :, side.segment]) for side in t.sides]
     bent: Complex = 0.5j * t.offset * (local[0][:, 0] + local[1][:, 0])
-    if t.geometry.fields == 2:
-        bent = bent + 0.5j * (t.shears[0] * local[0][:, 1] + t.shears[1] * local[1][:, 1])
+    for leans, strains in zip(t.leans, local, strict=True):
+        for i, lean in enumerate(leans, start=1):
+            bent = bent + 0.5 * lean * strains[:, i]
     return t.flexible * bent
 
 
@@ -133,36 +142,39 @@ def _turning(t: Touching, at: int, tangents: Complex) -> Array:
 
 def loads(t: Touching) -> Array:
     """Q: work of the contact forces by the coefficients, (fields, segments, modes)."""
-    return _covector(t, *_carried(t))
-
-
-def _carried(t: Touching) -> tuple[Array, Array]:
-    """Moments of the forces on theta at the Gauss points (g,), and on psi at the queries (q,)."""
-    geometry = t.geometry
     reach = t.forces.conj() @ t.marks.places
-    theta = (1j * geometry.runs * reach).real
-    return theta, (t.forces.conj() * 1j * t.offset * t.turn).real
+    theta, psi = _carried(t, reach)
+    return _covector(t, theta, psi, t.geometry.steps * reach)
 
 
-def _covector(t: Touching, theta: Array, psi: Array) -> Array:
-    """Moments (..., g), (..., q) as derivatives by the coefficients (..., fields, segments, modes)."""
+def _carried(t: Touching, reach: Complex) -> tuple[Array, Array]:
+    """Moments of the forces on theta at the Gauss points (g,), and on psi at the queries (q,)."""
+    return (1j * t.geometry.runs * reach).real, (t.forces.conj() * 1j * t.offset * t.turn).real
+
+
+def _covector(t: Touching, theta: Array, psi: Array, drawn: Complex) -> Array:
+    """Moments (..., g), (..., q) as derivatives by the coefficients (..., fields, segments, modes).
+
+    ``drawn`` (..., g) is the work by r' in the section's frame: what gamma and eps are loaded by, with stretch.
+    """
     geometry = t.geometry
     arms = (theta @ geometry.turns + psi @ t.marks.turns).reshape(*theta.shape[:-1], geometry.segments, geometry.modes)
     fields = [geometry.lengths[:, None] * arms]
-    if geometry.fields == 2:
-        fields.append(theta.reshape(*theta.shape[:-1], geometry.segments, geometry.count) @ geometry.rule.modes)
+    strained = {1: [], 2: [theta], 3: [(1j * drawn).real, drawn.real]}[geometry.fields]
+    for moment in strained:
+        fields.append(moment.reshape(*theta.shape[:-1], geometry.segments, geometry.count) @ geometry.rule.modes)
     return np.stack(fields, axis=-3)
 
 
 def load_rates(t: Touching, change: Change, moved: Flow) -> Array:
     """Rates of Q, (d, fields, segments, modes)."""
     geometry, bending = t.geometry, moved.bending
-    theta, psi = _carried(t)
-    reach = t.forces.conj() @ t.marks.places
-    theta_rates = (1j * bending.runs * reach).real + (1j * geometry.runs * (moved.forces.conj() @ t.marks.places)).real
+    reach, reaching = t.forces.conj() @ t.marks.places, moved.forces.conj() @ t.marks.places
+    theta, psi = _carried(t, reach)
+    theta_rates = (1j * bending.runs * reach).real + (1j * geometry.runs * reaching).real
     offset = (moved.offsets + 1j * t.offset * moved.turns) * t.turn
     psi_rates = (moved.forces.conj() * 1j * t.offset * t.turn + t.forces.conj() * 1j * offset).real
-    rates = _covector(t, theta_rates, psi_rates)
+    rates = _covector(t, theta_rates, psi_rates, bending.steps * reach + geometry.steps * reaching)
     arms = (theta @ geometry.turns + psi @ t.marks.turns).reshape(geometry.segments, -1)
     rates[:, 0] += bending.lengths[:, :, None] * arms
     return rates - _slid(t, change, moved)
@@ -189,8 +201,8 @@ def _turn_covector(t: Touching, at: int) -> Array:
     out = np.zeros((geometry.fields, geometry.segments, geometry.modes))
     out[0] = geometry.lengths[:, None] * t.marks.turns[at].reshape(geometry.segments, -1)
     back = (1j * tangent).conjugate() / abs(tangent) ** 2 * t.turn[at] * t.flexible[at]
-    for side, shear in zip(t.sides, t.shears, strict=True):
+    for side, leans in zip(t.sides, t.leans, strict=True):
         out[0, side.segment[at]] += 0.5 * (back * 1j * t.offset[at]).real * side.modes[at]
-        if geometry.fields == 2:
-            out[1, side.segment[at]] += 0.5 * (back * 1j * shear[at]).real * side.modes[at]
+        for i, lean in enumerate(leans, start=1):
+            out[i, side.segment[at]] += 0.5 * (back * lean[at]).real * side.modes[at]
     return out

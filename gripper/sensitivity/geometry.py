@@ -44,19 +44,19 @@ class Marks:
     """Linear maps to k stations, each at a fixed x of its segment."""
 
     turns: Array  # psi = turns . (h c), (k, segments * modes)
-    places: Array  # position = places . (h / 2 exp(i theta)), (k, g)
+    places: Array  # position = places . (h / 2 r'), (k, g)
     modes: Array  # P_k at the station, (k, modes)
     segment: Index  # (k,)
 
 
 @dataclass(frozen=True, eq=False)
 class Bending:
-    """Changes of a finger: of its segments' lengths, coefficients and, at the Gauss points, of exp(i theta)."""
+    """Changes of a finger: of its segments' lengths, coefficients and, at the Gauss points, of its axis' direction."""
 
     lengths: Array  # (d, segments)
     products: Array  # of h c, bending alone, (d, segments * modes)
-    runs: Complex  # of h / 2 exp(i theta), (d, g)
-    theta: Array  # (d, g)
+    steps: Complex  # of h / 2 exp(i theta), (d, g)
+    runs: Complex  # of h / 2 r', (d, g)
 
 
 class Geometry:
@@ -71,12 +71,16 @@ class Geometry:
         self.strains = self.coefficients @ self.rule.modes.T  # at the Gauss points, (fields, segments, q)
         self.products = (self.lengths[:, None] * self.coefficients[0]).ravel()
         self.turns = self._turns()
-        theta = self.turns @ self.products
+        theta = self.turns @ self.products + beam.rest_angle
         if self.fields == 2:
             theta = theta + self.strains[1].ravel()
-        self.direction = np.exp(1j * theta)
+        self.direction = np.exp(1j * theta)  # with stretch that of the section, else r'
         self.halves = np.repeat(self.lengths / 2, self.count)
-        self.runs = self.halves * self.direction
+        self.steps = self.halves * self.direction
+        self.drawn: Complex | float = 1.0  # r' in the section's frame
+        if beam.stretches:
+            self.drawn = 1 + self.strains[2].ravel() + 1j * self.strains[1].ravel()
+        self.runs = self.steps * self.drawn
 
     def _turns(self) -> Array:
         """psi at the Gauss points = turns . (h c), (g, segments * modes)."""
@@ -114,16 +118,33 @@ class Geometry:
         turns[each, segment] += integrals[:, : self.modes] / 2
         places = before[:, :, None] * self.rule.weights
         places[each, segment] = integrals[:, : self.count] @ self.rule.interpolant
-        return Marks(turns.reshape(k, -1), places.reshape(k, -1), table[:, : self.modes], segment)
+        return Marks(
+            turns.reshape(k, self.products.size), places.reshape(k, self.runs.size), table[:, : self.modes], segment
+        )
 
-    def bent(self, lengths: Array, coefficients: Array | None) -> Bending:
-        """The changes that follow from those of lengths (d, segments) and coefficients (d, fields, segments, modes)."""
+    def bent(self, lengths: Array, coefficients: Array | None, rest: Array | float) -> Bending:
+        """The changes that follow from others.
+
+        Parameters
+        ----------
+        lengths
+            Of the segments, (d, segments).
+        coefficients
+            Of the strains, (d, fields, segments, modes).
+        rest
+            Of the angle of the unloaded section at the Gauss points, (d, g).
+        """
         products = lengths[:, :, None] * self.coefficients[0]
         if coefficients is not None:
             products = products + self.lengths[:, None] * coefficients[:, 0]
         flat = products.reshape(len(lengths), self.products.size)
-        theta = flat @ self.turns.T
-        if self.fields == 2 and coefficients is not None:
-            theta = theta + (coefficients[:, 1] @ self.rule.modes.T).reshape(theta.shape)
-        runs = self.direction * (np.repeat(lengths / 2, self.count, axis=1) + 1j * self.halves * theta)
-        return Bending(lengths, flat, runs, theta)
+        theta = flat @ self.turns.T + rest
+        strained = [] if coefficients is None else list((coefficients[:, 1:] @ self.rule.modes.T).swapaxes(0, 1))
+        gamma, *eps = (strain.reshape(theta.shape) for strain in strained) if strained else (0.0,)
+        if self.fields == 2:
+            theta = theta + gamma
+        steps = self.direction * (np.repeat(lengths / 2, self.count, axis=1) + 1j * self.halves * theta)
+        runs = steps * self.drawn
+        if eps:
+            runs = runs + self.steps * (eps[0] + 1j * gamma)
+        return Bending(lengths, flat, steps, runs)

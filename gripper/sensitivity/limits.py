@@ -25,8 +25,6 @@ _HERE = 1e-7  # of the motion's range: an event this near is at the pose
 _END = 1e-7  # of L: a contact this near to the end of its piece is there
 FEEBLE = 1e-7  # of the largest multiplier, of mu, of the largest slip
 _SOFT = 1e-6  # smallest eigenvalue of the reduced Hessian: below it a snap
-THEORIES = ("bending", "shear")
-"""Whose equations are differentiated."""
 _KNOWN: dict[type, set[str]] = {
     Scene: {
         "finger",
@@ -41,7 +39,7 @@ _KNOWN: dict[type, set[str]] = {
         "tolerances",
         "theory_tolerance",
     },
-    Finger: {"length", "width", "material", "jaw"},
+    Finger: {"length", "width", "material", "jaw", "rest_curvature"},
     Material: {
         *("youngs_modulus", "poisson_ratio", "shear_modulus", "plane"),
         *("yield_strain", "repeated_strain"),

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
 
 from gripper.answer import largest_strain
-from gripper.arrays import Array, Complex
+from gripper.arrays import Array, Complex, Mask
 from gripper.equilibrium import Equilibrium
 from gripper.outline import dot
+from gripper.sensitivity.geometry import Marks
 from gripper.sensitivity.seeds import FrameRates, Seeds
 from gripper.sensitivity.tangent import Rates, rates
 from gripper.sensitivity.touching import Touching
@@ -26,33 +28,12 @@ def pose_rates(seeds: Seeds, equilibrium: Equilibrium) -> Table:
     seeds
         The numbers of the scene, p of them.
     equilibrium
-        With contacts.
+        Of the scene.
     """
     parameter = equilibrium.obstacle.frame.parameter
     touching, frames = seeds.touching(equilibrium), seeds.frames(parameter)
     found = rates(touching, seeds.change(touching, frames))
     return Reading(seeds, touching, frames, found, parameter).table()
-
-
-def free_rates(seeds: Seeds, equilibrium: Equilibrium) -> Table:
-    """The rates of a finger that touches nothing: it moves with its clamp, and that is all."""
-    parameter = equilibrium.obstacle.frame.parameter
-    frames, count = seeds.frames(parameter), len(seeds.keys)
-    turn = np.exp(1j * seeds.kinematics.placement(parameter or 0.0).clamp[2])
-    length = seeds.setting.sections.length
-    tip = frames.clamp + turn * length * (seeds.log_length + 1j * frames.clamp_angle)
-    none, plane = np.zeros(count), np.zeros((count, 2))
-    moving = {} if parameter is None else {"motion_force": none}
-    scalars = dict.fromkeys(("energy", "moment_on_object", "clamp_moment", "tip_rotation", "max_strain"), none)
-    return (
-        scalars
-        | moving
-        | {
-            "force_on_object": plane,
-            "force_on_object_finger_frame": plane,
-            "tip": _plane(tip),
-        }
-    )
 
 
 class Reading:
@@ -108,25 +89,50 @@ class Reading:
         position = complex((end.places @ geometry.runs)[0])
         change = (self.rates.flow.bending.runs @ end.places.T)[:, 0]
         local = change + position * (self.seeds.log_length + 1j * self.frames.clamp_angle)
-        rotation: Array = (self.rates.flow.bending.products @ end.turns.T)[:, 0]
+        rotation = (self.rates.flow.bending.products @ end.turns.T)[:, 0]
+        rotation = rotation + self.seeds.spread(self.seeds.finger.rest(np.ones(1))[0][:, 0])
         return {"tip": _plane(self.frames.clamp + turn * local * self.scales.length), "tip_rotation": rotation}
 
     def _strain(self) -> Array:
         """Rate of the largest strain at the section where it is: the place is stationary, or held by the segments."""
         t, geometry = self.touching, self.touching.geometry
+        if not t.sites:
+            return np.zeros(len(self.seeds.keys))
         value, s = largest_strain(t.setting, t.equilibrium)
         segment, x = self._section(s)
-        marks = geometry.marks(np.array([x]), np.array([segment]))
-        position = complex((marks.places @ geometry.runs)[0])
+        section = _Section(np.array([s]), segment, x, geometry.marks(np.array([x]), np.array([segment])))
         beyond = np.where(t.flexible > 0, t.s, 2.0) > s - x * 5e-10  # which side of a force a break is read on
-        arms = t.points - position
-        moment = float(np.sum(beyond * (arms.conj() * t.forces).imag))
-        changes = self.rates.flow.points - self.rates.flow.bending.runs @ marks.places.T
-        rate = (beyond * (changes.conj() * t.forces + arms.conj() * self.rates.flow.forces).imag).sum(axis=1)
-        place = np.array([s])
-        stiffer, thicker = self._section_rates(place, segment, x)
-        stiff, thick = t.setting.sections.EI(place)[0], t.setting.sections.thickness(place)[0]
-        return np.asarray(value * (rate / moment - stiffer / stiff + thicker / thick))
+        stiff, thick, stiffer, thicker = self._section_rates(section)
+        moment, rate = self._carried(section, beyond)
+        strain = abs(moment) / stiff[0] * thick / 2
+        rates = strain * (rate / moment - stiffer[:, 0] / stiff[0] + thicker / thick)
+        if t.beam.stretches:
+            along, pulled = self._pull(section, beyond)
+            stretch = abs(along) / stiff[2]
+            rates = rates + np.sign(along) * pulled / stiff[2] - stretch * stiffer[:, 2] / stiff[2]
+            strain += stretch
+        return np.asarray(value / strain * rates)
+
+    def _carried(self, section: _Section, beyond: Mask) -> tuple[float, Array]:
+        """The moment that a section carries, and its rate."""
+        t, moved = self.touching, self.rates.flow
+        arms = t.points - complex((section.marks.places @ t.geometry.runs)[0])
+        changes = moved.points - moved.bending.runs @ section.marks.places.T
+        rate = (beyond * (changes.conj() * t.forces + arms.conj() * moved.forces).imag).sum(axis=1)
+        return float(np.sum(beyond * (arms.conj() * t.forces).imag)), rate
+
+    def _pull(self, section: _Section, beyond: Mask) -> tuple[float, Array]:
+        """The force along a section's normal, and its rate."""
+        t, moved, rest = self.touching, self.rates.flow, self.touching.rest
+        psi, turning = (section.marks.turns @ t.geometry.products)[0], moved.bending.products @ section.marks.turns.T
+        if rest is not None:
+            psi += rest.angle(section.place)[0]
+            turning = turning + self._moving(section)[:, None] * rest.curvature(section.place)[0]
+        turning = turning[:, 0] + self.seeds.spread(self.seeds.finger.rest(section.place)[0][:, 0])
+        normal = np.exp(1j * psi)
+        force, change = complex(beyond @ t.forces), moved.forces @ beyond
+        rate: Array = (normal.conj() * change).real + ((1j * normal).conj() * force).real * turning
+        return float((normal.conj() * force).real), rate
 
     def _section(self, s: float) -> tuple[int, float]:
         """The segment in which a place is read, and where in it; at a break the side on which the moment is larger."""
@@ -137,17 +143,33 @@ class Reading:
             return segment - 1, 1.0
         return segment, float(np.clip(x, -1.0, 1.0))
 
-    def _section_rates(self, sigma: Array, segment: int, x: float) -> tuple[Array, Array]:
-        """Rates of EI and w / L at a place of a segment that moves with it."""
-        seeds, breaks = self.seeds, self.rates.change.breaks
-        moving = breaks[:, segment] * (1 - x) / 2 + breaks[:, segment + 1] * (1 + x) / 2
-        _, slope, stiffer = seeds.finger.stiffness(sigma, 1)
-        thick, _ = seeds.finger.thickness(sigma)
-        w_slope = np.asarray(seeds.setting.sections.profile(sigma)[1]).ravel()[0]
+    def _moving(self, section: _Section) -> Array:
+        """How a place of a segment moves with it."""
+        breaks, x = self.rates.change.breaks, section.x
+        moved: Array = breaks[:, section.segment] * (1 - x) / 2 + breaks[:, section.segment + 1] * (1 + x) / 2
+        return moved
+
+    def _section_rates(self, section: _Section) -> tuple[Array, float, Array, Array]:
+        """Stiffness (3,) and w / L at a place of a segment that moves with it, and their rates."""
+        seeds, moving = self.seeds, self._moving(section)
+        stiff, slope, stiffer = seeds.finger.stiffness(section.place, 3)
+        thick, slender = seeds.finger.thickness(section.place)[0], seeds.setting.sections.profile(section.place)
         return (
-            seeds.spread(stiffer[:, 0, 0]) + slope[0, 0] * moving,
-            seeds.spread(thick[:, 0]) + w_slope * moving,
+            stiff[:, 0],
+            float(np.ravel(slender[0])[0]),
+            np.column_stack([seeds.spread(stiffer[:, i, 0]) + slope[i, 0] * moving for i in range(3)]),
+            seeds.spread(thick[:, 0]) + float(np.ravel(slender[1])[0]) * moving,
         )
+
+
+@dataclass(frozen=True, eq=False)
+class _Section:
+    """A section, in its segment."""
+
+    place: Array  # by L, (1,)
+    segment: int
+    x: float
+    marks: Marks
 
 
 def _plane(vectors: Complex) -> Array:

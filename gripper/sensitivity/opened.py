@@ -113,11 +113,12 @@ def _grafted(part: Any, path: str, symbols: Mapping[str, _Open]) -> Any:
 
 @dataclasses.dataclass(frozen=True)
 class Profile:
-    """Formulas of a finger's sections in s and its numbers: w, EI and kappa_s GA, in SI units; its kinks; its jaw."""
+    """Formulas of a finger's sections in s and its numbers: w, EI, kappa_s GA, EA, in SI units; its kinks; its jaw."""
 
     thickness: sympy.Expr
     bending: sympy.Expr
     shear: sympy.Expr
+    stretch: sympy.Expr
     kinks: tuple[sympy.Expr, ...]
     jaw: tuple[tuple[sympy.Expr, sympy.Expr], ...]
 
@@ -135,11 +136,12 @@ def profile(finger: Finger, values: Mapping[str, float]) -> tuple[Profile, dict[
     opened = Opened(finger, given)
     symbols = dict(opened.symbols)
 
-    def stiffness(part: Finger) -> tuple[Any, Any, Any]:
+    def stiffness(part: Finger) -> tuple[Any, ...]:
         w, b, material = part.w(S), part.b(S), part.material
-        return w, material.bending_modulus * b * w**3 / 12, material.shear_coefficient * b * w
+        modulus = material.bending_modulus
+        return w, modulus * b * w**3 / 12, material.shear_coefficient * b * w, modulus * b * w
 
-    w, bending, area = opened.read(stiffness)
+    w, bending, area, stretch = opened.read(stiffness)
     rigidity = opened.read(lambda part: part.material.G)
     if derived is not None:
         symbols["material.shear_modulus"] = extra = symbol("material.shear_modulus", derived)
@@ -148,7 +150,7 @@ def profile(finger: Finger, values: Mapping[str, float]) -> tuple[Profile, dict[
     if finger.jaw is not None:
         tip = opened.read(lambda part: part.w(part.length))
         jaw = _jaw(opened, tip)
-    return Profile(w, bending, rigidity * area, _kinks(finger, opened), jaw), symbols
+    return Profile(w, bending, rigidity * area, stretch, _kinks(finger, opened), jaw), symbols
 
 
 def _kinks(finger: Finger, opened: Opened) -> tuple[sympy.Expr, ...]:

@@ -13,8 +13,8 @@ from gripper.parameters import number, numbers
 from gripper.pose import placed
 from gripper.pose_result import PoseResult, Record, Vector, jsonable
 from gripper.scene import Scene
-from gripper.sensitivity.limits import THEORIES, refusal, side
-from gripper.sensitivity.numbers import Table, free_rates, pose_rates
+from gripper.sensitivity.limits import refusal, side
+from gripper.sensitivity.numbers import Table, pose_rates
 from gripper.sensitivity.object_rates import ObjectRates
 from gripper.sensitivity.opened import NotOpenError
 from gripper.sensitivity.seeds import Seeds
@@ -139,9 +139,6 @@ def sensitivities(result: Result, keys: Sequence[str] | None = None) -> dict[str
     if first is None:
         tables: list[list[PoseSensitivity]] = [[_none(pose, pose.reason) for _ in keys] for pose in result.poses]
     else:
-        if first.setting.theory not in THEORIES:
-            rule = f"be one of {', '.join(THEORIES)}, to be differentiated"
-            raise ValueError(f"theory must {rule}; got {first.setting.theory!r}")
         seeds = Seeds(scene, first.setting, keys)
         tables = [_of_pose(result, seeds, pose, k) for pose, k in zip(result.poses, kept, strict=True)]
         moving = Seeds(scene, first.setting, keys, moving=scene.motion is not None)
@@ -184,8 +181,6 @@ def _of_pose(result: Result, seeds: Seeds, pose: PoseResult, kept: Kept | None) 
     kind, reason = side(result, pose, kept)
     if kind == "none":
         return [_none(pose, reason)] * len(seeds.keys)
-    if not kept.equilibrium.state.sites:
-        return _rows(free_rates(seeds, kept.equilibrium), pose, seeds, kind, reason)
     try:
         table = pose_rates(seeds, kept.equilibrium)
     except np.linalg.LinAlgError:

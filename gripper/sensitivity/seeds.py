@@ -224,6 +224,9 @@ class Seeds:
     def _of_finger(self, t: Touching, change: Change) -> None:
         rows = self._finger_rows
         change.stiffness[rows] = t.stiffness[2]
+        change.rest[rows] = self.finger.rest(t.beam.gauss)[0]
+        turns, bends = self.finger.rest(t.s)
+        change.rest_turns[rows], change.rest_bends[rows] = turns, bends * t.flexible
         kinks, rates = self.finger.kinks()
         for kink, rate in zip(kinks, rates.T, strict=True):
             nearest = int(np.argmin(np.abs(np.array(t.beam.breaks) - kink)))

@@ -74,6 +74,7 @@ class Touching:
 
     def __init__(self, setting: Setting, equilibrium: Equilibrium, finger: FingerRates) -> None:
         self.setting, self.equilibrium, self.obstacle = setting, equilibrium, equilibrium.obstacle
+        self.rest = setting.sections.rest
         state = equilibrium.state
         self.beam, self.sites = state.beam, state.sites
         self.geometry = Geometry(state.beam, state.z)
@@ -133,13 +134,14 @@ class Touching:
         self.marks: Marks = geometry.marks(before, left)
         beyond = geometry.marks(after, right) if np.any(left != right) else self.marks
         self.sides = (self.marks, beyond)
-        self.turn = np.exp(1j * (self.marks.turns @ geometry.products))
+        psi = self.marks.turns @ geometry.products
+        self.turn = np.exp(1j * (psi if self.rest is None else psi + self.rest.angle(s)))
         self.points = self.marks.places @ geometry.runs + P * self.turn
         self.flexible = (self.piece <= UPPER).astype(float)
-        self.shears = [np.exp(1j * self._strain(1, side)) for side in self.sides]
-        self.kappa = self.flexible * (self._strain(0, self.sides[0]) + self._strain(0, self.sides[1])) / 2
-        shear = (self.shears[0] + self.shears[1]) / 2
-        self.tangents = self.turn * (self.flexible * shear + P1 + 1j * self.kappa * P)
+        axes, self.leans = zip(*(self._along(side) for side in self.sides), strict=True)
+        kappa = (self._strain(0, self.sides[0]) + self._strain(0, self.sides[1])) / 2
+        self.kappa = self.flexible * (kappa if self.rest is None else kappa + self.rest.curvature(s)[0])
+        self.tangents = self.turn * (self.flexible * (axes[0] + axes[1]) / 2 + P1 + 1j * self.kappa * P)
         self.gap, self.normal, (self._a, self._b) = self.obstacle.curvature(self.points)
         self._lean()
 
@@ -151,6 +153,34 @@ class Touching:
         if field >= self.geometry.fields:
             return np.zeros(self.u.size)
         return np.einsum("km,km->k", marks.modes, self.geometry.coefficients[field][marks.segment])
+
+    def _along(self, side: Marks) -> tuple[Complex, list[Complex]]:
+        """Of one side the axis' direction in the section's frame, and its derivatives by gamma and eps."""
+        gamma, one = self._strain(1, side), np.ones(self.u.size, dtype=complex)
+        if self.geometry.fields < 3:
+            direction = np.exp(1j * gamma)
+            return direction, [1j * direction][: self.geometry.fields - 1]
+        return one + self._strain(2, side) + 1j * gamma, [1j * one, one]
+
+    def unloaded(self, breaks: Array, queries: Array) -> tuple[Array | float, Array | float, Array | float]:
+        """How the rest shape changes under Gauss points and queries that move along it.
+
+        Parameters
+        ----------
+        breaks, queries
+            How ends of segments (d, segments + 1) and queries (d, q) move.
+
+        Returns
+        -------
+        Changes of its angle at the Gauss points (d, g), and of its angle and curvature at the queries (d, q).
+        """
+        if self.rest is None:
+            return 0.0, 0.0, 0.0
+        geometry, own = self.geometry, self.rest.curvature(self.s)
+        moved = breaks[:, :-1, None] + np.diff(breaks, axis=1)[:, :, None] * geometry.rule.along
+        along = queries * self.flexible
+        under = self.rest.curvature(self.beam.gauss)[0]
+        return moved.reshape(len(breaks), -1) * under, along * own[0], along * own[1]
 
     def _lean(self) -> None:
         """Directions of the forces: along grad g, or the face's normal at a corner of the object, and friction's."""
