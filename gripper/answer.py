@@ -15,6 +15,7 @@ from gripper.clearance import clearance
 from gripper.contact import linearise
 from gripper.contact_rows import Linearisation
 from gripper.equilibrium import Equilibrium, Setting, State, kkt_step
+from gripper.features import conform
 from gripper.grip import tipward
 from gripper.kept import Kept
 from gripper.kinematics import Placement
@@ -32,7 +33,6 @@ _DRAWN = np.linspace(0.0, 1.0, 81)
 _ALONG = np.linspace(0.0, 1.0, 13)
 _each = functools.cache(np.arange)
 _STATES = {"open": "slip", "slip": "slip", "stick": "stick"}
-_CONFORMING = 0.06  # of L: nodes nearer to one another than this are one contact
 
 
 def cross(a: Complex, b: Complex) -> float:
@@ -253,7 +253,7 @@ def contacts(setting: Setting, equilibrium: Equilibrium, placement: Placement) -
         corner = setting.outline.tip_corner(site.piece) if site.kind == "tail" else site.piece
         if corner in tails:
             groups.setdefault(("tail", corner), []).append(i)
-        elif last >= 0 and _conform(sites[last], site):
+        elif last >= 0 and conform(sites[last], site):
             next(members for members in groups.values() if last in members).append(i)
         else:
             groups[i] = [i]
@@ -295,13 +295,6 @@ def _friction(setting: Setting, site: Site, rubbing: complex, normal: complex) -
         return {}
     along = (1j * normal.conjugate() / abs(normal) * rubbing).real * tipward(site, setting.outline)
     return {"tangential_force": -along * setting.sections.force_scale, "state": _STATES[site.grip.hold]}
-
-
-def _conform(one: Site, other: Site) -> bool:
-    """Whether neighbouring contacts on one piece belong to one stretch that conforms to the object."""
-    if one.piece != other.piece or "node" not in (one.kind, other.kind):
-        return False
-    return other.place[0] - one.place[-1] < _CONFORMING
 
 
 def _places(setting: Setting, sites: list[Site], stations: list[Array]) -> tuple[Part, Array]:

@@ -4,18 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Literal, Protocol
+from typing import Protocol
 
 import numpy as np
 from scipy.optimize import brentq
 
 from gripper.certificate import survey
 from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, predicted, settle
+from gripper.features import Feature, features
 from gripper.obstacle import Frame
-from gripper.site import Site
 from gripper.snap import distance
 
-Feature = tuple[Literal["flank", "corner", "vertex"], int, int]
 _ROUND_OFF = 1e-13
 _HALVINGS = 4  # of a way along a branch
 _DEPARTS = 0.5  # of a step: what it may differ from its prediction
@@ -37,16 +36,6 @@ class Along:
 
     parameter: float
     equilibrium: Equilibrium
-
-
-def features(sites: tuple[Site, ...]) -> dict[Feature, int]:
-    """What touches, and the number of its site; a patch that ends in the tip's corner is the corner."""
-    kinds: dict[str, Literal["flank", "corner", "vertex"]] = {"corner": "corner", "vertex": "vertex"}
-    return {
-        (kinds.get(site.kind, "flank"), site.piece, site.vertex): i
-        for i, site in enumerate(sites)
-        if site.kind != "tail"
-    }
 
 
 class Branch:
@@ -144,7 +133,7 @@ def released(setting: Setting, path: Path, known: Along, other: Along, feature: 
     NoEquilibriumError
         Where it does not, or where something else has touched before.
     """
-    i = features(known.equilibrium.state.sites)[feature]
+    i = number(known, feature)
     branch = Branch(setting, path, replace(known, equilibrium=_pointed(setting, known.equilibrium, i, order)), order)
     where = bracketed(lambda parameter: _pressing(setting, branch.at(parameter), i), known.parameter, other.parameter)
     there = branch.at(where)

@@ -12,7 +12,6 @@ from gripper.beam import Beam
 from gripper.contact_rows import Linearisation, System
 from gripper.obstacle import Obstacle
 from gripper.outline import Outline, Stations, second_derivative
-from gripper.rubbing import rub
 from gripper.site import CUTS, Site, own_segment, pressure_rule
 
 _AT_BREAK = 0.02  # a force this near to a break is the break's own: its segments were cut there
@@ -53,6 +52,8 @@ def linearise(
         system.layout.append((span, row, column))
         first, row, column = span.stop, row + site.multipliers, column + site.unknowns
     if sites[0].grip is not None:
+        from gripper.rubbing import rub  # without friction it is not even read
+
         rub(system, outline, u)
     hessian = second_derivative(axis, stations, system.pull) + system.extra
     hessian += system.stiffened()

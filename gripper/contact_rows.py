@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,8 +11,10 @@ from gripper.arrays import Array, Complex
 from gripper.beam import Beam
 from gripper.obstacle import Obstacle
 from gripper.outline import UPPER, Stations, dot
-from gripper.rubbing import Rubbing
 from gripper.site import Site, pressure_rule
+
+if TYPE_CHECKING:
+    from gripper.rubbing import Rubbing
 
 
 @dataclass(frozen=True, eq=False)

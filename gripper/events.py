@@ -8,10 +8,11 @@ from typing import Literal
 import numpy as np
 
 from gripper.assemble import least_gaps
-from gripper.branch import Along, Feature, Path, bracketed, features, joined, pointed, released
+from gripper.branch import Along, Path, bracketed, joined, pointed, released
 from gripper.certificate import survey
-from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting
-from gripper.site import Kind, Site
+from gripper.equilibrium import NoEquilibriumError, Setting
+from gripper.features import feature_name, gone_and_come
+from gripper.site import Site
 from gripper.turning import adjacent, changed
 
 STRUT = "met head-on the finger is a strut and buckles: to which side is undecided by statics"
@@ -35,36 +36,27 @@ def changes(setting: Setting, path: Path, old: Along, new: Along, order: int) ->
     NoEquilibriumError
         Where the branches do not lead to the event: the step is too long, or leads to another branch.
     """
-    before, after = features(old.equilibrium.state.sites), features(new.equilibrium.state.sites)
-    gone, come = [f for f in before if f not in after], [f for f in after if f not in before]
+    before, outline = old.equilibrium.state.sites, setting.outline
+    gone, come = gone_and_come(before, new.equilibrium.state.sites)
     out: list[Change] = []
     for lost in list(gone):
         won = next((f for f in come if adjacent(setting, lost, f)), None)
         if won is not None:
             where = changed(setting, path, old, new, lost, won, order)
-            out.append(Change(where, "change", f"{_feature_name(setting, lost)} to {_feature_name(setting, won)}"))
+            out.append(Change(where, "change", f"{feature_name(outline, lost)} to {feature_name(outline, won)}"))
             gone.remove(lost)
             come.remove(won)
     if len(out) + len(gone) + len(come) > 1:
         raise NoEquilibriumError("several contacts change within one step")
     for won in come:
         where = released(setting, path, new, old, won, order) if before else _first(setting, path, old, new, order)
-        out.append(Change(where, "touch", _feature_name(setting, won)))
+        out.append(Change(where, "touch", feature_name(outline, won)))
         if not before and head_on(setting, path, old, where):
             out.append(Change(where, "snap", STRUT))
     for lost in gone:
         where = released(setting, path, old, new, lost, order)
-        out.append(Change(where, "release", _feature_name(setting, lost)))
+        out.append(Change(where, "release", feature_name(outline, lost)))
     return out
-
-
-def transition(setting: Setting, old: Equilibrium, new: Equilibrium) -> str:
-    """What changes between two equilibria so near that they are one place of the motion."""
-    before, after = features(old.state.sites), features(new.state.sites)
-    gone, come = [f for f in before if f not in after], [f for f in after if f not in before]
-    if len(gone) == len(come) == 1:
-        return f"{_feature_name(setting, gone[0])} to {_feature_name(setting, come[0])}"
-    return "several contacts at once"
 
 
 def _first(setting: Setting, path: Path, old: Along, new: Along, order: int) -> float:
@@ -112,20 +104,3 @@ def _same(setting: Setting, touched: Site, site: Site) -> bool:
         corner = setting.outline.corner_at(piece, touched.place[0])
         piece = piece if corner is None else corner
     return piece == site.piece and touched.vertex == site.vertex
-
-
-def _feature_name(setting: Setting, feature: Feature) -> str:
-    kind, piece, vertex = feature
-    on = setting.outline.place(piece, np.zeros(1))[0]
-    if kind == "vertex":
-        return f"the object's corner {vertex} on {on}"
-    return f"corner of {on}" if kind == "corner" else on
-
-
-def named(setting: Setting, site: Site) -> str:
-    """What a contact is called in an event."""
-    return _feature_name(setting, next(iter(features((replace(site, kind=_plain(site)),)))))
-
-
-def _plain(site: Site) -> Kind:
-    return "patch" if site.kind == "tail" else site.kind

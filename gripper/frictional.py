@@ -15,9 +15,10 @@ import numpy as np
 from scipy.optimize import brentq
 
 from gripper.answer import Answer
-from gripper.branch import Along, Branch, Feature, features, pointed
+from gripper.branch import Along, Branch, pointed
 from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting
-from gripper.events import Change, named, touched_at
+from gripper.events import Change, touched_at
+from gripper.features import Feature, features, gone_and_come, named
 from gripper.grip import dressed
 from gripper.holds import coefficient, grip_of, leaders, margin, overdue, ratio_rate, regripped, slip_rates, tangent
 from gripper.locking import LockedError, free_slip, limiting_ratio
@@ -257,7 +258,7 @@ class FrictionTracker(Tracker):
 
     def _tell(self, kind: str, equilibrium: Equilibrium, i: int, why: str) -> None:
         if self.events:
-            where = named(self.setting, equilibrium.state.sites[i])
+            where = named(self.setting.outline, equilibrium.state.sites[i])
             self.changes.append(Change(self.parameter, kind, f"{where}: {why}" if why else where))  # type: ignore[arg-type]
 
     # new contacts
@@ -311,7 +312,7 @@ class FrictionTracker(Tracker):
     def _change_hold(self, found: Verified, following: float, late: list[int]) -> None:
         """Go to where the first contact changes its hold, and change it."""
         old = self.current.equilibrium
-        if features(old.state.sites) != features(found.equilibrium.state.sites):
+        if any(gone_and_come(old.state.sites, found.equilibrium.state.sites)):
             self._halve(found, following)
             return
         if _kinds(old) == _kinds(found.equilibrium):

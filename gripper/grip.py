@@ -15,6 +15,7 @@ import numpy as np
 import sympy
 
 from gripper.arrays import Array, Complex
+from gripper.features import conform
 from gripper.fingers import S
 
 if TYPE_CHECKING:
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
     from gripper.site import Site
 
 Hold = Literal["open", "slip", "stick"]
-_CONFORMING = 0.06  # of L: nodes nearer to one another than this are one contact
 
 
 class Law:
@@ -242,13 +242,9 @@ def _first(outline: Outline, sites: tuple[Site, ...], i: int) -> int:
         corner = outline.tip_corner(site.piece)
         return next((j for j, other in enumerate(sites) if other.piece == corner), i)
     for j, other in enumerate(sites[:i]):
-        if other.piece == site.piece and (site.piece > 1 or _conform(other, site)):
+        if other.piece == site.piece and (site.piece > 1 or conform(other, site)):
             return _first(outline, sites, j)
     return i
-
-
-def _conform(one: Site, other: Site) -> bool:
-    return "node" in (one.kind, other.kind) and abs(other.middle - one.middle) < _CONFORMING
 
 
 def leader(outline: Outline, sites: tuple[Site, ...], i: int) -> int:

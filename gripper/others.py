@@ -17,7 +17,7 @@ import numpy as np
 from gripper.arrays import Array, Complex
 from gripper.certificate import survey
 from gripper.equilibrium import Equilibrium, Setting, State, settle
-from gripper.events import named
+from gripper.features import named
 from gripper.grip import leader
 from gripper.holds import grip_of, leaders, slip_rates
 from gripper.obstacle import Obstacle
@@ -76,7 +76,7 @@ def _held_otherwise(setting: Setting, equilibrium: Equilibrium, heading: float) 
     for stuck in answers(senses * velocities, senses[:, None] * compliance(equilibrium, slipping) * senses):
         if any(stuck):
             sites = [equilibrium.state.sites[i] for i, sticks in zip(slipping, stuck, strict=True) if sticks]
-            found.append(f"stuck ({', '.join(named(setting, site) for site in sites)})")
+            found.append(f"stuck ({', '.join(named(setting.outline, site) for site in sites)})")
     return tuple(found)
 
 

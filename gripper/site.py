@@ -20,14 +20,16 @@ from __future__ import annotations
 import bisect
 import functools
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from gripper.arrays import Array
 from gripper.beam import Beam, legendre
-from gripper.grip import Grip
 from gripper.outline import UPPER
+
+if TYPE_CHECKING:
+    from gripper.grip import Grip
 
 Kind = Literal["tangent", "corner", "node", "vertex", "patch", "tail"]
 NARROW, WIDE = 2, 8

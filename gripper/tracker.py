@@ -18,7 +18,8 @@ from gripper.certificate import DEPTH, Survey, survey
 from gripper.clearance import clearance
 from gripper.contact import linearise
 from gripper.equilibrium import NoEquilibriumError, Setting, State, predicted, straight, unloaded
-from gripper.events import STRUT, Change, changes, head_on, transition
+from gripper.events import STRUT, Change, changes, head_on
+from gripper.features import transition
 from gripper.patches import settle_contacts
 from gripper.site import Site, pointed
 from gripper.snap import descend, distance
@@ -268,7 +269,8 @@ class Tracker:
             except NoEquilibriumError:
                 if self._travel(self.parameter, following) > _INDIVISIBLE:
                     raise
-                changed = [Change(following, "change", transition(self.setting, before.equilibrium, after.equilibrium))]
+                sites = before.equilibrium.state.sites, after.equilibrium.state.sites
+                changed = [Change(following, "change", transition(self.setting.outline, *sites))]
         self.iterations += found.equilibrium.iterations
         self._last = before
         self.parameter, self.current = following, found

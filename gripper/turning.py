@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from gripper.assemble import vertex_height
-from gripper.branch import SHARP, Along, Branch, Feature, Path, bracketed, features, joined, number, released
+from gripper.branch import SHARP, Along, Branch, Path, bracketed, joined, number, released
 from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting
+from gripper.features import Feature
 from gripper.site import Site
 from gripper.snap import distance
 
@@ -50,7 +51,7 @@ def _departed(
     setting: Setting, path: Path, known: Along, other: Along, pair: tuple[Feature, Feature], order: int
 ) -> float:
     """Where a contact's place reaches the end of its piece, on to another: steps that stop a little short of it."""
-    i = features(known.equilibrium.state.sites)[pair[0]]
+    i = number(known, pair[0])
     if not known.equilibrium.state.sites[i].unknown_places:
         raise NoEquilibriumError("a contact without a place of its own ends")
     distant = setting.outline.ends(pair[0][1])[-1]
