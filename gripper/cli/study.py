@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from gripper.cli.console import BAD_INPUT, FAILED_POSE, INTERRUPTED, progress, stop, writing
+from gripper.cli.console import BAD_INPUT, FAILED_POSE, INTERRUPTED, output_folder, progress, stop, writing
 
 if TYPE_CHECKING:
     from gripper.scene import Scene
@@ -88,13 +88,13 @@ def scene_of(scene_file: Path) -> Scene:
 
 
 def _robustness(folder: Path, scenes: int, seed: int, quick: bool) -> None:
-    from gripper.output import prepared
     from gripper.study.robustness import scenes as made
     from gripper.study.robustness import study as judged
     from gripper.study.robustness import summary
 
     record = folder / "robustness.csv"
-    with writing(folder), prepared(folder, (record.name,)), progress("scenes") as report:
+    # the scenes are its own: an OSError is the folder's
+    with output_folder(folder, (record.name,)), writing(folder), progress("scenes") as report:
         found = judged(made(scenes, seed, quick=quick), record, report)
     typer.echo(summary(found))
     typer.echo(record)
@@ -103,15 +103,16 @@ def _robustness(folder: Path, scenes: int, seed: int, quick: bool) -> None:
 
 
 def _models(scene_file: Path, folder: Path, at: list[float] | None, quick: bool) -> None:
-    from gripper.output import prepared, write_files
+    from gripper.output import write_files
     from gripper.study.models import models as compared
 
     scene, name = scene_of(scene_file), "models.csv"
     try:
-        with writing(folder), prepared(folder, (name,)):
+        with output_folder(folder, (name,)):
             with progress("models") as report:
                 found = compared(scene, at, quick=quick, progress=report)
-            paths = write_files(folder, {name: found.csv().encode()})
+            with writing(folder):
+                paths = write_files(folder, {name: found.csv().encode()})
     except ValueError as error:
         stop(f"{scene_file}: {error}", BAD_INPUT)
     typer.echo(str(found))
@@ -122,7 +123,7 @@ def _models(scene_file: Path, folder: Path, at: list[float] | None, quick: bool)
 def _study(scene_file: Path, folder: Path, at: list[float] | None, quick: bool) -> None:
     import io
 
-    from gripper.output import prepared, write_files
+    from gripper.output import write_files
     from gripper.study.diagram import diagram
     from gripper.study.precision import study as measured
     from gripper.study.shooting import NoReferenceError
@@ -131,12 +132,13 @@ def _study(scene_file: Path, folder: Path, at: list[float] | None, quick: bool) 
         stop(f"--at must be one pose here; got {len(at)}", BAD_INPUT)
     scene, names = scene_of(scene_file), ("work_precision.csv", "work_precision.png")
     try:
-        with writing(folder), prepared(folder, names):
+        with output_folder(folder, names):
             with progress("points") as report:
                 found = measured(scene, at[0] if at else None, quick=quick, progress=report)
             picture = io.BytesIO()
             diagram(found).savefig(picture, format="png", dpi=110)
-            paths = write_files(folder, dict(zip(names, (found.csv().encode(), picture.getvalue()), strict=True)))
+            with writing(folder):
+                paths = write_files(folder, dict(zip(names, (found.csv().encode(), picture.getvalue()), strict=True)))
     except NoReferenceError as error:
         stop(f"{scene_file}: {error}", FAILED_POSE)
     except ValueError as error:

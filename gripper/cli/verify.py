@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from gripper.cli.console import BAD_INPUT, FAILED_POSE, INTERRUPTED, progress, stop, writing
+from gripper.cli.console import BAD_INPUT, FAILED_POSE, INTERRUPTED, output_folder, progress, stop, writing
 from gripper.cli.run import solved
 
 if TYPE_CHECKING:
@@ -82,16 +82,16 @@ def _verified(
     SceneFileError
         A scene or an option against its rule.
     """
-    from gripper.output import as_json, prepared, write_files
+    from gripper.output import as_json, write_files
     from gripper.scenefile import read
 
     scene, options = read(scene_file), {**options, "elements": _mesh(options["elements"])}
     values = _values(poses, scene)
-    with writing(folder):
-        with prepared(folder, FILES):
-            report = _compared(scene, scene_file, values, options)
+    with output_folder(folder, FILES):
+        report = _compared(scene, scene_file, values, options)
         contents = as_json(report.to_dict()), report.csv().encode(), report.markdown().encode()
-        return report, write_files(folder, dict(zip(FILES, contents, strict=True)))
+        with writing(folder):
+            return report, write_files(folder, dict(zip(FILES, contents, strict=True)))
 
 
 def _compared(

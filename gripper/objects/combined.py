@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from abc import abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -43,6 +42,8 @@ class Combined(Object):
     """
 
     parts: tuple[Part, ...]
+    largest: ClassVar[bool]
+    """Whether the largest of the parts' g is the whole's (what all of them enclose), or the least."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -50,11 +51,6 @@ class Combined(Object):
         if len(self.parts) < 2:
             raise ValueError(f"parts must hold at least 2 objects; got {len(self.parts)}")
         _whole(self).check()
-
-    @property
-    @abstractmethod
-    def largest(self) -> bool:
-        """Whether the largest of the parts' g is the whole's (what all of them enclose), or the least."""
 
     @property
     def signs(self) -> tuple[float, ...]:

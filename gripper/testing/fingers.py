@@ -20,18 +20,7 @@ JUMP = 1e-6  # relative: a change over less than a nanometre that counts
 
 
 def check_finger(instance: Finger) -> None:
-    """Check that a finger keeps all that `gripper.fingers.Finger` promises.
-
-    Parameters
-    ----------
-    instance
-        Of the plugin's class; check several, of different shapes.
-
-    Raises
-    ------
-    gripper.testing.ContractError
-        A property fails: one sentence with the instance, the rule and what was got.
-    """
+    """Check that a finger keeps all that `gripper.fingers.Finger` promises; see `check_object` for what is raised."""
     run(instance, FINGER_PROPERTIES)
 
 

@@ -12,18 +12,7 @@ THICKNESSES = (0.0005, 0.002, 0.02)
 
 
 def check_jaw(instance: Jaw) -> None:
-    """Check that a jaw keeps all that `gripper.fingers.Jaw` promises.
-
-    Parameters
-    ----------
-    instance
-        Of the plugin's class; check several, of different shapes.
-
-    Raises
-    ------
-    gripper.testing.ContractError
-        A property fails: one sentence with the instance, the rule and what was got.
-    """
+    """Check that a jaw keeps all that `gripper.fingers.Jaw` promises; see `check_object` for what is raised."""
     run(instance, JAW_PROPERTIES)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 from gripper.objects import Combined
 
@@ -17,10 +18,7 @@ class Difference(Combined):
         The object, then what is cut out of it, as they are or placed by numbers.
     """
 
-    @property
-    def largest(self) -> bool:
-        """The largest g counts."""
-        return True
+    largest: ClassVar[bool] = True
 
     @property
     def signs(self) -> tuple[float, ...]:

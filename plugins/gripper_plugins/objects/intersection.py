@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 from gripper.objects import Combined
 
@@ -17,7 +18,4 @@ class Intersection(Combined):
         Objects, as they are or placed by numbers.
     """
 
-    @property
-    def largest(self) -> bool:
-        """The largest g counts."""
-        return True
+    largest: ClassVar[bool] = True
