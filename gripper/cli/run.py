@@ -44,6 +44,8 @@ def _run(scene_file: Path, folder: Path) -> None:
 
     try:
         scene = read(scene_file)
+        import gripper.trace  # noqa: F401  # what takes time to import, before there is a folder
+
         with output_folder(folder):
             result, interrupted = _as_far_as_it_goes(scene, scene_file)
             try:
