@@ -17,7 +17,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from gripper.arrays import Array
+from gripper.arrays import Array, Complex
 from gripper.axis import Axis
 from gripper.beam import Beam, BeamTheory
 from gripper.contact import linearise
@@ -59,6 +59,12 @@ class Setting:
     def obstacle(self, frame: Frame) -> Obstacle:
         """The object at a pose."""
         return Obstacle(self.body, self.sections.length, frame)
+
+    @functools.cached_property
+    def clamped(self) -> Complex:
+        """Points of the clamped section (3,), by L."""
+        half = float(self.sections.thickness(np.zeros(1))[0]) / 2
+        return np.array([-1j, 0j, 1j]) * half
 
     def breaks(self, sites: tuple[Site, ...]) -> tuple[float, ...]:
         """Where segments end: at these contacts and at the profile's kinks."""

@@ -10,9 +10,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from gripper.answer import NO_FORCE
 from gripper.assemble import Problem, assemble, first_order
 from gripper.beam import BeamTheory
+from gripper.contact_forces import NO_FORCE
 from gripper.equilibrium import Equilibrium, Setting
 from gripper.kept import Kept
 from gripper.ladder import RUNGS, richer, theory_difference

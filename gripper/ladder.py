@@ -8,9 +8,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import get_args
 
-from gripper.answer import NO_FORCE
 from gripper.beam import Beam, BeamTheory
 from gripper.contact import linearise
+from gripper.contact_forces import NO_FORCE
 from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, kkt_step
 from gripper.result import PoseResult
 from gripper.scene import Scene

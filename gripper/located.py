@@ -9,11 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from gripper.answer import drive, largest_strain
 from gripper.assemble import law
 from gripper.certificate import survey
 from gripper.clearance import clearance
 from gripper.climb import Measure
+from gripper.contact_forces import drive
 from gripper.equilibrium import Equilibrium, Setting, State, settle
 from gripper.extremes import Extreme, Extremes
 from gripper.kept import Kept
@@ -21,6 +21,7 @@ from gripper.locking import nearness
 from gripper.loop import Loop
 from gripper.outline import dot
 from gripper.pose_result import PoseResult
+from gripper.profile import largest_strain
 from gripper.scene import Scene
 from gripper.splitting import is_published, split_forces
 from gripper.verified import Verified

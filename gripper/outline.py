@@ -247,7 +247,7 @@ def _inside(point: complex, polygon: Complex) -> bool:
 
 def crossings(point: complex, polygon: Complex) -> Mask:
     """Which edges of a polygon a ray from a point towards +x crosses: an odd number from inside."""
-    a, b = polygon, np.roll(polygon, -1)
+    a, b = polygon, np.concatenate([polygon[1:], polygon[:1]])
     across = (a.imag > point.imag) != (b.imag > point.imag)
     rise = np.where(across, b.imag - a.imag, 1.0)
     crossing: Mask = across & (a.real + (point.imag - a.imag) * (b.real - a.real) / rise > point.real)

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gripper.answer import drive
 from gripper.arrays import Array
 from gripper.branch import Along, Branch, Path
+from gripper.contact_forces import drive
 from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting
 from gripper.work import Pace, cubic, pace
 

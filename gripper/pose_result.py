@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
 from typing import Any, Literal
 
@@ -24,19 +25,32 @@ def _check_finite(name: str, value: Any) -> None:
 
 def plain(value: Any) -> Any:
     """Arrays and lists as tuples, numpy's numbers as Python's, so that results compare and become JSON."""
+    if type(value) in (float, int):
+        return value
     if hasattr(value, "tolist"):
         value = value.tolist()
     return tuple(plain(item) for item in value) if isinstance(value, (list, tuple)) else value
+
+
+@functools.cache
+def _names(kind: Any) -> tuple[str, ...]:
+    """Names of a record's fields."""
+    return tuple(field.name for field in dataclasses.fields(kind))
 
 
 class Record:
     """A frozen record of finite plain numbers."""
 
     def __post_init__(self) -> None:
-        for field in dataclasses.fields(self):  # type: ignore[arg-type]  # every subclass is a dataclass
-            value = plain(getattr(self, field.name))
-            _check_finite(field.name, value)
-            object.__setattr__(self, field.name, value)
+        kind: Any = type(self)
+        for name in _names(kind):
+            given = getattr(self, name)
+            if given is None or isinstance(given, (str, Record)):
+                continue
+            value = plain(given)
+            _check_finite(name, value)
+            if value is not given:
+                object.__setattr__(self, name, value)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

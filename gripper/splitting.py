@@ -11,8 +11,9 @@ import dataclasses
 
 import numpy as np
 
-from gripper.answer import Answer, cross
+from gripper.answer import Answer
 from gripper.arrays import Complex
+from gripper.contact_forces import cross
 from gripper.equilibrium import Equilibrium, Setting
 from gripper.grip import Law, tipward
 from gripper.kinematics import Placement

@@ -7,6 +7,8 @@ does not help, the equilibrium has ended: the finger snaps.
 
 from __future__ import annotations
 
+import itertools
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -83,6 +85,7 @@ class Tracker:
         self.changes: list[Change] = []
         self.iterations = 0
         self._last: Along | None = None
+        self._travelled = (math.nan, math.nan, 0.0)
         self.current = free or self._free(parameter)
         if free is None and not untouched(setting, self.current):
             raise NoEquilibriumError("the straight finger is not free of the object at the start")
@@ -132,9 +135,8 @@ class Tracker:
         NoEquilibriumError
             Where the clamped section lies in the object.
         """
-        half = float(self.setting.sections.thickness(np.zeros(1))[0]) / 2
         obstacle = self.setting.obstacle(self.path.frame(parameter))
-        if float(np.min(obstacle.gap(np.array([-1j, 0j, 1j]) * half))) < -DEPTH:
+        if float(obstacle.gap(self.setting.clamped).min()) < -DEPTH:
             raise NoEquilibriumError(ON_CLAMP)
 
     def _within(self, target: float, bound: float) -> float:
@@ -157,13 +159,13 @@ class Tracker:
 
     def _travel(self, start: float, stop: float) -> float:
         """Length of the object's relative path (by L), its turning included."""
-        frames = [self.path.frame(start + (stop - start) * i / _TURNS) for i in range(_TURNS + 1)]
-        origins, angles = np.array([f.origin for f in frames]), np.array([f.angle for f in frames])
-        box = np.array(self.setting.body.box)
-        size = float(np.max(np.abs(box))) / self.setting.sections.length
-        reach = min(size * np.sqrt(2.0), 2.0)
-        moved = np.abs(np.diff(origins)) + reach * np.abs(np.diff(angles))
-        return float(np.sum(moved))
+        if self._travelled[:2] != (start, stop):
+            frames = [self.path.frame(start + (stop - start) * i / _TURNS) for i in range(_TURNS + 1)]
+            size = max(map(abs, self.setting.body.box)) / self.setting.sections.length
+            reach = min(size * math.sqrt(2.0), 2.0)
+            moved = [abs(b.origin - a.origin) + reach * abs(b.angle - a.angle) for a, b in itertools.pairwise(frames)]
+            self._travelled = start, stop, math.fsum(moved)
+        return self._travelled[2]
 
     @property
     def sites(self) -> tuple[Site, ...]:

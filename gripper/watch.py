@@ -12,10 +12,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from gripper.answer import drive
 from gripper.arrays import Array
 from gripper.branch import Along, Branch, Path
 from gripper.climb import MARKS, Climber, Flank, Measure, Sample, Summit, at_change
+from gripper.contact_forces import drive
 from gripper.equilibrium import NoEquilibriumError, Setting
 from gripper.work import Balance, cubic
 

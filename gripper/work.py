@@ -11,10 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gripper.answer import drive
 from gripper.arrays import Array
 from gripper.branch import Along, Path
 from gripper.contact import linearise
+from gripper.contact_forces import drive
 from gripper.equilibrium import Equilibrium, Setting, predicted
 from gripper.holds import coefficient, leaders, tangent
 from gripper.rubbing import dissipation

@@ -7,10 +7,10 @@ from typing import TypeAlias
 
 import numpy as np
 
-from gripper.answer import largest_strain
 from gripper.arrays import Array, Complex, Mask
 from gripper.equilibrium import Equilibrium
 from gripper.outline import dot
+from gripper.profile import largest_strain
 from gripper.sensitivity.geometry import Marks
 from gripper.sensitivity.seeds import FrameRates, Seeds
 from gripper.sensitivity.tangent import Rates, rates

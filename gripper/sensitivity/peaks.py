@@ -11,13 +11,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from gripper.answer import largest_strain
 from gripper.arrays import Array
 from gripper.branch import Along, Branch
 from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, settle
 from gripper.grip import dressed
 from gripper.holds import coefficient
 from gripper.outline import LOWER, UPPER
+from gripper.profile import largest_strain
 from gripper.sensitivity.limits import FEEBLE, at_end
 from gripper.sensitivity.numbers import Reading
 from gripper.sensitivity.seeds import Seeds

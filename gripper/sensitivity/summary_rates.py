@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from gripper.answer import drive
 from gripper.arrays import Array
+from gripper.contact_forces import drive
 from gripper.extremes import Extreme
 from gripper.pose import placed
 from gripper.sensitivity.peaks import Summit

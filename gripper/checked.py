@@ -1,0 +1,68 @@
+"""What is verified of an equilibrium: stationarity, balance, stability, penetration."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gripper.contact_forces import NO_FORCE, loads
+from gripper.equilibrium import Equilibrium, Setting
+from gripper.outline import dot
+from gripper.profile import Profile
+from gripper.result import Checks
+from gripper.verified import Verified
+
+STATIONARY = 1e-8
+BALANCED = 1e-2
+
+
+def checked(setting: Setting, verified: Verified, seen: Profile) -> Checks:
+    """Stationarity, balance of forces and moments, stability, penetration (PHYSICS: what a right answer satisfies).
+
+    The balance compares the moments that the strains carry with those of the contact forces (Lan & Lee eq 6, for any
+    number of contacts).
+    """
+    equilibrium, survey = verified.equilibrium, verified.survey
+    state, lin = equilibrium.state, equilibrium.linear
+    stationarity = force = moment = 0.0
+    if state.sites:
+        load = lin.loads.T @ state.multipliers
+        total = max(float(np.abs(loads(equilibrium)[1]).sum()), NO_FORCE)
+        stationarity = float(np.linalg.norm(state.z - load)) / max(float(np.linalg.norm(load)), NO_FORCE)
+        force, moment = (missing / total for missing in _imbalance(setting, equilibrium, seen))
+    return Checks(
+        stationarity=stationarity,
+        force_balance=force,
+        moment_balance=moment,
+        stability=verified.stability if lin.rubbing is None else None,
+        singularity=None if lin.rubbing is None else verified.stability,
+        penetration_bound=survey.penetration_bound * setting.sections.length,
+        certificate="proved" if survey.proved else "sampled",
+    )
+
+
+def _imbalance(setting: Setting, equilibrium: Equilibrium, seen: Profile) -> tuple[float, float]:
+    """Force and moment at the clamp that the strains carry beyond the contact forces'.
+
+    EI kappa between the clamp and the first contact, less the contact forces' moments about the same sections, is
+    fitted by a couple and a force across the chord (a nearly straight finger tells nothing of one along it). It is
+    read at the zeros of P_(p+1), where the error of a projection on polynomials of order p is of higher order.
+    """
+    points, forces = loads(equilibrium)
+    position = seen.position[seen.balance]
+    applied = ((points[None, :] - position[:, None]).conj() @ forces[:, None]).imag[:, 0]
+    missing = seen.stiffness[seen.balance] * seen.kappa[seen.balance] - applied
+    arms = -dot(position, position[-1] / abs(position[-1]))
+    middle = arms - arms.mean()
+    across = float(middle @ missing / (middle @ middle)) if len(arms) > 1 else 0.0
+    couple = float(missing.mean() - across * arms.mean())
+    return abs(across), abs(couple)
+
+
+def shortcoming(checks: Checks) -> str | None:
+    """Which check fails, in words, or None."""
+    if (checks.stationarity or 0.0) > STATIONARY:
+        return f"not stationary: {checks.stationarity:.1e} of the contact force is unbalanced"
+    worst = max(checks.force_balance or 0.0, checks.moment_balance or 0.0)
+    if worst > BALANCED:
+        return f"forces and moments do not balance: {worst:.1e} of the contact force is missing"
+    return None

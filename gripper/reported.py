@@ -1,0 +1,90 @@
+"""Contacts as a result reports them: SI, world frame."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from gripper.arrays import Array
+from gripper.contact_forces import NO_FORCE
+from gripper.contact_rows import Linearisation
+from gripper.equilibrium import Equilibrium, Setting
+from gripper.features import conform
+from gripper.grip import tipward
+from gripper.kinematics import Placement
+from gripper.outline import Part
+from gripper.result import Contact
+from gripper.site import Site
+
+_STATES = {"open": "slip", "slip": "slip", "stick": "stick"}
+
+
+def vector(value: complex) -> tuple[float, float]:
+    """x + iy as a pair."""
+    return float(value.real), float(value.imag)
+
+
+def contacts(setting: Setting, equilibrium: Equilibrium, placement: Placement) -> tuple[Contact, ...]:
+    """One entry a separate contact, ordered by s; a patch that ends in the tip's corner is one with it."""
+    lin, sites = equilibrium.linear, equilibrium.state.sites
+    tails = {setting.outline.tip_corner(site.piece) for site in sites if site.kind == "tail"}
+    groups: dict[object, list[int]] = {}
+    last = -1
+    for i in sorted(range(len(sites)), key=lambda i: (sites[i].piece, sites[i].place)):
+        site = sites[i]
+        corner = setting.outline.tip_corner(site.piece) if site.kind == "tail" else site.piece
+        if corner in tails:
+            groups.setdefault(("tail", corner), []).append(i)
+        elif last >= 0 and conform(sites[last], site):
+            next(members for members in groups.values() if last in members).append(i)
+        else:
+            groups[i] = [i]
+        last = i
+    length = setting.sections.length
+    out = []
+    for members in groups.values():
+        points = np.concatenate([lin.points[i] for i in members])
+        forces = np.concatenate([lin.forces[i] / _incline(lin, i) for i in members])  # normal forces
+        weights = np.abs(forces)
+        total = complex(forces.sum())
+        if abs(total) <= NO_FORCE:
+            continue
+        on, places = _places(setting, [sites[i] for i in members], [lin.stations[i] for i in members])
+        extent = [s for i in members for s in _extent(setting, sites[i])]
+        rubbing = complex(sum(lin.forces[i].sum() for i in members)) - total
+        out.append(
+            Contact(
+                on=on,
+                s=float(places @ weights / weights.sum()) * length,
+                extent=(min(extent) * length, max(extent) * length),
+                point=vector(placement.origin + placement.turn * complex(weights @ points / weights.sum()) * length),
+                normal=vector(placement.turn * total / abs(total)),
+                normal_force=abs(total) * setting.sections.force_scale,
+                **_friction(setting, sites[members[0]], rubbing, total),
+            )
+        )
+    return tuple(sorted(out, key=lambda contact: contact.s))
+
+
+def _incline(lin: Linearisation, i: int) -> complex:
+    """From the normal force to the force at a contact: 1 - i rho."""
+    return 1.0 if lin.rubbing is None else 1 - 1j * lin.rubbing.ratios[i]
+
+
+def _friction(setting: Setting, site: Site, rubbing: complex, normal: complex) -> dict[str, Any]:
+    """Friction on the object towards the tip, and whether the contact sticks."""
+    if site.grip is None:
+        return {}
+    along = (1j * normal.conjugate() / abs(normal) * rubbing).real * tipward(site, setting.outline)
+    return {"tangential_force": -along * setting.sections.force_scale, "state": _STATES[site.grip.hold]}
+
+
+def _places(setting: Setting, sites: list[Site], stations: list[Array]) -> tuple[Part, Array]:
+    """Which part of the finger, and s (by L) of each of its contact points."""
+    places = [setting.outline.place(site.piece, u) for site, u in zip(sites, stations, strict=True)]
+    return places[0][0], np.concatenate([s for _, s in places])
+
+
+def _extent(setting: Setting, site: Site) -> Array:
+    return setting.outline.place(site.piece, np.array(site.place or (0.0,)))[1]
