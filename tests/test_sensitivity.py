@@ -109,6 +109,23 @@ def test_a_contact_that_sticks_remembers_through_its_derivatives_where_it_began_
             np.testing.assert_allclose(read(exact, name), differences, rtol=1e-3, err_msg=f"{key} {name}")
 
 
+@pytest.mark.parametrize(("theory", "reached"), [("bending", -0.1795), ("shear", -0.1798)])
+def test_a_contact_that_sticks_from_its_first_touch_on_began_where_it_was_met(theory, reached):
+    """The object comes the way that the finger's face gives way, so that nothing slips at first."""
+    circle = Circle(radius=0.15).at(x=0.6 + 0.075 * (Q + 0.18), y=Q)
+    scene = gr.Scene(finger=unit_finger(), object=circle, motion=gr.Motion("q", (-0.25, reached)), theory=theory)
+    scene = dataclasses.replace(scene, friction=gr.Friction(coefficient=0.5))
+    result = gr.trace(scene)
+    assert [contact.state for contact in result.poses[-1].contacts] == ["stick"]
+    for key in ("object.pose.y", "finger.thickness"):
+        exact, value = result.sensitivity(key).poses[-1], numbers(scene)[key]
+        step = 1e-6 * (value or 0.1)
+        there, back = (gr.trace(replaced(scene, {key: value + h})).poses[-1] for h in (step, -step))
+        for name in ("energy", "force_on_object", "max_strain"):
+            differences = (read(there, name) - read(back, name)) / (2 * step)
+            np.testing.assert_allclose(read(exact, name), differences, rtol=1e-5, err_msg=f"{key} {name}")
+
+
 PASSED = {
     "I": micro_assembly(*np.linspace(0.086, 0.05, 13)),  # needs most where the lead face ends, holds on the corner
     "I, there and back with friction": micro_assembly(*np.linspace(0.086, 0.05, 7), 0.07, friction=ROUGH),

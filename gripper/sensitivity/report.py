@@ -14,6 +14,7 @@ from gripper.pose import placed
 from gripper.pose_result import PoseResult, Record, Vector, jsonable
 from gripper.scene import Scene
 from gripper.sensitivity.limits import refusal, side
+from gripper.sensitivity.memory import UnknownPastError
 from gripper.sensitivity.numbers import Table, pose_rates
 from gripper.sensitivity.object_rates import ObjectRates
 from gripper.sensitivity.opened import NotOpenError
@@ -141,8 +142,7 @@ def sensitivities(result: Result, keys: Sequence[str] | None = None) -> dict[str
     else:
         seeds = Seeds(scene, first.setting, keys)
         tables = [_of_pose(result, seeds, pose, k) for pose, k in zip(result.poses, kept, strict=True)]
-        moving = Seeds(scene, first.setting, keys, moving=scene.motion is not None)
-        summary = summary_rates(result, moving, keys)
+        summary = summary_rates(result, seeds, keys)
     return {
         key: Sensitivity(
             key=key,
@@ -179,15 +179,14 @@ def _of_pose(result: Result, seeds: Seeds, pose: PoseResult, kept: Kept | None) 
     if kept is None:
         return [_none(pose, pose.reason)] * len(seeds.keys)
     kind, reason = side(result, pose, kept)
-    if kind == "none":
-        return [_none(pose, reason)] * len(seeds.keys)
-    try:
-        table = pose_rates(seeds, kept.equilibrium)
-    except np.linalg.LinAlgError:
-        return [_none(pose, "the equilibrium is at a limit point, where its derivatives are infinite")] * len(
-            seeds.keys
-        )
-    return _rows(table, pose, seeds, kind, reason)
+    if kind != "none":
+        try:
+            return _rows(pose_rates(seeds, kept.equilibrium), pose, seeds, kind, reason)
+        except np.linalg.LinAlgError:
+            reason = "the equilibrium is at a limit point, where its derivatives are infinite"
+        except UnknownPastError as error:
+            reason = f"{error}: where it began to is not known by the scene's numbers"
+    return [_none(pose, reason)] * len(seeds.keys)
 
 
 def _none(pose: PoseResult, reason: str | None) -> PoseSensitivity:

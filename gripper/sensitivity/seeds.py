@@ -10,7 +10,7 @@ import numpy as np
 import sympy
 
 from gripper.arrays import Array, Complex
-from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting
+from gripper.equilibrium import Equilibrium, Setting
 from gripper.friction import Coefficients
 from gripper.kinematics import Kinematics
 from gripper.outline import LOWER, UPPER, dot
@@ -18,9 +18,9 @@ from gripper.parameters import numbers
 from gripper.scene import Scene
 from gripper.sensitivity.finger_rates import FingerRates
 from gripper.sensitivity.flow import Change
+from gripper.sensitivity.memory import Memory
 from gripper.sensitivity.object_rates import ObjectRates
-from gripper.sensitivity.tangent import Rates, rates
-from gripper.sensitivity.touching import Span, Touching
+from gripper.sensitivity.touching import Touching
 from gripper.site import Site
 
 MOTION = "the motion's parameter"
@@ -39,41 +39,6 @@ class FrameRates:
     clamp_angle: Array
 
 
-@dataclass(frozen=True, eq=False)
-class AnchorRates:
-    """Rates of an anchor (:class:`gripper.grip.Anchor`), by each number: (d, q)."""
-
-    points: Complex
-    tangents: Complex
-    u: Array
-    stretches: Array
-    weights: Array
-
-
-def anchor_rates(t: Touching, span: Span, found: Rates, frames: FrameRates) -> AnchorRates:
-    """Rates of where a contact is, as an anchor."""
-    at = span.queries
-    frame, moved = t.obstacle.frame, found.flow
-    back = cmath.exp(-1j * frame.angle)
-    presses, leans = t.press[at], moved.presses[:, at]
-    lengths = np.abs(presses)
-    turning = (presses.conj() * leans).imag / lengths**2
-    units = -1j * presses / lengths
-    forces = t.weights[at] * lengths
-    pressing = t.weights[at] * dot(presses, leans) / lengths
-    if found.change.weights is not None:
-        pressing += found.change.weights[:, at] * lengths
-    parts = forces / forces.sum()
-    angle = frames.angle[:, None]
-    return AnchorRates(
-        (moved.points[:, at] - frames.origin[:, None] - 1j * angle * (t.points[at] - frame.origin)) * back,
-        1j * units * back * (turning - angle),
-        found.change.queries[:, at],
-        dot(1j * units * turning, t.tangents[at]) + dot(units, moved.tangents[:, at]),
-        (pressing - parts * pressing.sum(axis=1, keepdims=True)) / forces.sum(),
-    )
-
-
 class Seeds:
     """The directions of some numbers of a scene.
 
@@ -82,9 +47,7 @@ class Seeds:
     scene, setting
         What is solved.
     keys
-        Numbers, as :func:`gripper.parameters.numbers` names them.
-    moving
-        Whether to add the motion's parameter, after all numbers.
+        Numbers, as :func:`gripper.parameters.numbers` names them; after them comes the motion's parameter, if any.
 
     Raises
     ------
@@ -94,14 +57,14 @@ class Seeds:
         A plugin whose formulas sympy cannot differentiate.
     """
 
-    def __init__(self, scene: Scene, setting: Setting, keys: Sequence[str], *, moving: bool = False) -> None:
+    def __init__(self, scene: Scene, setting: Setting, keys: Sequence[str]) -> None:
         known = numbers(scene)
         for key in keys:
             if key not in known:
                 rule = "be a number that the scene has, to be differentiated by"
                 raise ValueError(f"{key} must {rule} (without friction there is no side to slip to); got none")
-        self.scene, self.setting, self.keys = scene, setting, (*keys, *([MOTION] if moving else []))
-        self._origins: dict[int, tuple[Equilibrium, Touching, FrameRates, Rates]] = {}
+        self.scene, self.setting, self.keys = scene, setting, (*keys, *([MOTION] if scene.motion else []))
+        self._memory = Memory(self)
         self.kinematics = Kinematics(scene, setting.sections.length)
         finger = {self._inner(key): known[key] for key in keys if self._table(key) == "finger"}
         body = {key.split(".", 1)[1]: known[key] for key in keys if self._table(key) == "object"}
@@ -176,50 +139,8 @@ class Seeds:
         self._of_finger(touching, change)
         self._of_object(touching, change, frames)
         self._of_friction(touching, change)
-        self._of_sticking(touching, change, frames)
+        self._memory.change(touching, change, frames)
         return change
-
-    def _of_sticking(self, t: Touching, change: Change, frames: FrameRates) -> None:
-        """Contacts that stick remember where they began to, which the numbers change too."""
-        turn = cmath.exp(1j * t.obstacle.frame.angle)
-        for span in t.spans:
-            if not span.sticks:
-                continue
-            stick, moved, at = t.stick(span), self.anchors(t, span), span.queries
-            angle = 1j * frames.angle[:, None]
-            tangents = stick.tangents * angle + turn * moved.tangents
-            starts = angle * stick.anchor.points * turn + turn * moved.points + frames.origin[:, None]
-            away = t.points[at] - stick.starts
-            stretches = (moved.stretches + dot(tangents, t.tangents[at])) / 2
-            slips = dot(tangents, away) - dot(starts, stick.tangents) + moved.u * stick.stretches
-            slips -= stick.ways * stretches
-            slip = dot(stick.tangents, away) - stick.ways * stick.stretches
-            change.slips[:, span.ratio] = slips @ stick.weights + moved.weights @ slip
-
-    def anchors(self, t: Touching, span: Span) -> AnchorRates:
-        """Rates of where a contact began to stick.
-
-        The motion's parameter there may be held: what slip it would add is 0, where slip ends or the motion turns.
-
-        Raises
-        ------
-        NoEquilibriumError
-            Where the equilibrium in which it began to is not known, or its pressure was resolved otherwise there.
-        """
-        anchor = t.stick(span).anchor
-        if anchor.origin is None:
-            raise NoEquilibriumError("a contact sticks from its first touch on, or from a change of face or edge")
-        equilibrium, number = anchor.origin
-        if id(equilibrium) not in self._origins:
-            touching, frames = self.touching(equilibrium), self.frames(equilibrium.obstacle.frame.parameter)
-            found = rates(touching, self.change(touching, frames))
-            self._origins[id(equilibrium)] = equilibrium, touching, frames, found
-        _, touching, frames, found = self._origins[id(equilibrium)]
-        moved = anchor_rates(touching, touching.spans[number], found, frames)
-        if self.keys[-1:] == (MOTION,):
-            for field in fields(moved):
-                getattr(moved, field.name)[-1] = 0.0  # the motion goes on, its past stays
-        return moved
 
     def _of_finger(self, t: Touching, change: Change) -> None:
         rows = self._finger_rows

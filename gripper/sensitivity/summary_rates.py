@@ -11,6 +11,7 @@ from gripper.arrays import Array
 from gripper.contact_forces import drive
 from gripper.extremes import Extreme
 from gripper.pose import placed
+from gripper.sensitivity.memory import UnknownPastError
 from gripper.sensitivity.peaks import Summit
 from gripper.sensitivity.seeds import Seeds
 
@@ -61,7 +62,10 @@ def _extremes(result: Result) -> dict[str, Extreme | None]:
 def _rates(peak: Extreme | None, name: str, seeds: Seeds) -> Array | None:
     if peak is None or peak.kept is None:
         return None
-    return Summit(seeds, name).rates(peak.kept.equilibrium)
+    try:
+        return Summit(seeds, name).rates(peak.kept.equilibrium)
+    except (UnknownPastError, np.linalg.LinAlgError):
+        return None  # the finger snaps there, or a contact remembers what no number of the scene says
 
 
 def _nothing(peak: Extreme | None, count: int) -> Array | None:
