@@ -30,7 +30,7 @@ class FingerRates:
     def __init__(self, outline: Outline, values: Mapping[str, float]) -> None:
         self.outline, self.sections = outline, outline.sections
         finger, self.length = self.sections.finger, self.sections.length
-        formulas, symbols = profile(finger, values)
+        formulas, symbols = profile(finger, tuple(values.items()))
         self.keys = tuple(symbols)
         self.values = [values[key] for key in self.keys]
         by = tuple(symbols[key] for key in self.keys)

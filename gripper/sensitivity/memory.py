@@ -13,7 +13,7 @@ from gripper.equilibrium import Equilibrium
 from gripper.grip import Anchor
 from gripper.outline import dot
 from gripper.sensitivity.flow import Change
-from gripper.sensitivity.tangent import Rates, rates
+from gripper.sensitivity.tangent import Rates
 from gripper.sensitivity.touching import Span, Touching
 
 if TYPE_CHECKING:
@@ -66,7 +66,6 @@ class Memory:
 
     def __init__(self, seeds: Seeds) -> None:
         self.seeds = seeds
-        self._origins: dict[int, tuple[Equilibrium, Touching, FrameRates, Rates]] = {}
 
     def change(self, t: Touching, change: Change, frames: FrameRates) -> None:
         """Contacts that stick remember where they began to, which the numbers change too."""
@@ -108,18 +107,13 @@ class Memory:
         Where slip ends, or the motion turns, that place may be held: the slip that it would add is 0. A contact that
         sticks from its first touch on began where the object met it, and that place moves: its force stays.
         """
-        if id(equilibrium) not in self._origins:
-            parameter = equilibrium.obstacle.frame.parameter
-            touching, frames = self.seeds.touching(equilibrium), self.seeds.frames(parameter)
-            found = rates(touching, self.seeds.change(touching, frames))
-            self._origins[id(equilibrium)] = equilibrium, touching, frames, found
-        _, touching, frames, found = self._origins[id(equilibrium)]
-        span = touching.spans[number]
-        moved = anchor_rates(touching, span, found, frames)
+        known = self.seeds.solved(equilibrium)
+        span = known.touching.spans[number]
+        moved = anchor_rates(known.touching, span, known.rates, known.frames)
         motion, met = self.seeds.scene.motion, np.zeros(len(self.seeds.keys))
         grip, parameter = span.site.grip, equilibrium.obstacle.frame.parameter
         if motion and grip is not None and grip.hold == "open" and parameter != motion.values[0]:
-            met = self._met(equilibrium, span, found)
+            met = self._met(equilibrium, span, known.rates)
         for field in fields(moved):
             values = getattr(moved, field.name)
             values += met[:, None] * values[-1]

@@ -12,16 +12,14 @@ from gripper.equilibrium import Equilibrium
 from gripper.outline import dot
 from gripper.profile import largest_strain
 from gripper.sensitivity.geometry import Marks
-from gripper.sensitivity.seeds import FrameRates, Seeds
-from gripper.sensitivity.tangent import Rates, rates
-from gripper.sensitivity.touching import Touching
+from gripper.sensitivity.seeds import Seeds
 
 Table: TypeAlias = dict[str, Array]
 """Rates by name: (p,), or (p, 2) of vectors."""
 
 
-def pose_rates(seeds: Seeds, equilibrium: Equilibrium) -> Table:
-    """The rates of an equilibrium's numbers by those of its scene.
+class Reading:
+    """The numbers of an equilibrium, and their rates by those of its scene.
 
     Parameters
     ----------
@@ -30,27 +28,18 @@ def pose_rates(seeds: Seeds, equilibrium: Equilibrium) -> Table:
     equilibrium
         Of the scene.
     """
-    parameter = equilibrium.obstacle.frame.parameter
-    touching, frames = seeds.touching(equilibrium), seeds.frames(parameter)
-    found = rates(touching, seeds.change(touching, frames))
-    return Reading(seeds, touching, frames, found, parameter).table()
 
-
-class Reading:
-    """The numbers of a pose and their rates."""
-
-    def __init__(
-        self, seeds: Seeds, touching: Touching, frames: FrameRates, found: Rates, parameter: float | None
-    ) -> None:
-        self.seeds, self.touching, self.frames, self.rates = seeds, touching, frames, found
-        self.parameter = parameter
-        self.scales = seeds.setting.sections
+    def __init__(self, seeds: Seeds, equilibrium: Equilibrium) -> None:
+        solved = seeds.solved(equilibrium)
+        self.seeds, self.scales = seeds, seeds.setting.sections
+        self.touching, self.frames, self.rates = solved.touching, solved.frames, solved.rates
+        self.parameter = equilibrium.obstacle.frame.parameter
 
     def table(self) -> Table:
         """All rates by name."""
         t, rates, scales = self.touching, self.rates, self.scales
         energy = rates.energy + t.equilibrium.state.energy * self.seeds.log_energy
-        local = -(rates.flow.forces.sum(axis=1) + t.forces.sum() * self.seeds.log_force)
+        local = self._force()
         turn = np.exp(1j * self.seeds.kinematics.placement(self.parameter or 0.0).clamp[2])
         world = turn * (local - 1j * self.frames.clamp_angle * t.forces.sum())
         out = {
@@ -59,11 +48,23 @@ class Reading:
             "force_on_object_finger_frame": _plane(local * scales.force_scale),
             "moment_on_object": -self._moment(t.equilibrium.obstacle.frame.origin, self.frames.origin),
             "clamp_moment": self._moment(0j, 0j * self.frames.origin),
-            "max_strain": self._strain(),
+            "max_strain": self.strain(),
         }
         if self.parameter is not None:
-            out["motion_force"] = self._drive()
+            out["motion_force"] = self.drive()
         return out | self._tip(turn)
+
+    def size(self) -> Array:
+        """Rate of the size of the force on the object, in N."""
+        force = -self.touching.forces.sum()
+        found: Array = (self._force() * (force / abs(force)).conjugate()).real * self.scales.force_scale
+        return found
+
+    def _force(self) -> Complex:
+        """Rate of the force on the object in the clamp's axes, over EI(0) / L^2."""
+        whole = self.touching.forces.sum() * self.seeds.log_force
+        found: Complex = -(self.rates.flow.forces.sum(axis=1) + whole)
+        return found
 
     def _moment(self, about: complex, moving: Complex) -> Array:
         """Rate of the moment of the forces on the finger about a point, in N m."""
@@ -73,7 +74,7 @@ class Reading:
         whole = float((arms.conj() * t.forces).imag.sum())
         return (rate + whole * self.seeds.log_energy) * self.scales.energy_scale
 
-    def _drive(self) -> Array:
+    def drive(self) -> Array:
         """Rate of the motion's force."""
         t, moved, frame = self.touching, self.rates.flow, self.touching.obstacle.frame
         velocities = t.obstacle.velocities(t.points)
@@ -93,7 +94,7 @@ class Reading:
         rotation = rotation + self.seeds.spread(self.seeds.finger.rest(np.ones(1))[0][:, 0])
         return {"tip": _plane(self.frames.clamp + turn * local * self.scales.length), "tip_rotation": rotation}
 
-    def _strain(self) -> Array:
+    def strain(self) -> Array:
         """Rate of the largest strain at the section where it is: the place is stationary, or held by the segments."""
         t, geometry = self.touching, self.touching.geometry
         if not t.sites:

@@ -123,8 +123,11 @@ class Profile:
     jaw: tuple[tuple[sympy.Expr, sympy.Expr], ...]
 
 
-def profile(finger: Finger, values: Mapping[str, float]) -> tuple[Profile, dict[str, sympy.Symbol]]:
+@functools.lru_cache(maxsize=256)
+def profile(finger: Finger, values: tuple[tuple[str, float], ...]) -> tuple[Profile, dict[str, sympy.Symbol]]:
     """A finger's formulas, and the symbols of its numbers (``material.shear_modulus`` also where it follows from E).
+
+    Opened once a finger.
 
     Raises
     ------

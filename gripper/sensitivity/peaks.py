@@ -21,7 +21,7 @@ from gripper.profile import largest_strain
 from gripper.sensitivity.limits import FEEBLE, at_end
 from gripper.sensitivity.numbers import Reading
 from gripper.sensitivity.seeds import Seeds
-from gripper.sensitivity.tangent import Rates, rates
+from gripper.sensitivity.tangent import Rates
 from gripper.site import Site
 
 _STATIONARY = 1e-3  # of a number, over 1 % of the motion: what a peak that was located may still rise
@@ -48,13 +48,13 @@ class Summit:
 
     def rates(self, equilibrium: Equilibrium) -> Array | None:
         """Derivatives of the largest value by the numbers (p,); None where they are not known."""
-        here, found = self._read(equilibrium)
+        here = self._read(equilibrium)
         parameter = equilibrium.obstacle.frame.parameter
         if parameter is None or self.ends is None:
             return here
         if parameter in self.ends:
             return here[:-1]
-        moving = _moving(self.seeds, equilibrium, found)
+        moving = _moving(self.seeds, equilibrium)
         if moving is not None:
             whole: Array = here[:-1] + moving * here[-1]
             return whole
@@ -62,14 +62,10 @@ class Summit:
             return None
         return self._climbed(equilibrium, parameter, here)[:-1]
 
-    def _read(self, equilibrium: Equilibrium) -> tuple[Array, Rates]:
-        touching, frames = self.seeds.touching(equilibrium), self.seeds.frames(equilibrium.obstacle.frame.parameter)
-        found = rates(touching, self.seeds.change(touching, frames))
-        table = Reading(self.seeds, touching, frames, found, equilibrium.obstacle.frame.parameter).table()
-        if self.name != "force":
-            return table[self.name], found
-        force = -equilibrium.force / abs(equilibrium.force)
-        return table["force_on_object_finger_frame"] @ np.array([force.real, force.imag]), found
+    def _read(self, equilibrium: Equilibrium) -> Array:
+        reading = Reading(self.seeds, equilibrium)
+        named = {"motion_force": reading.drive, "max_strain": reading.strain, "force": reading.size}
+        return named[self.name]()
 
     def _rise(self, here: Array, equilibrium: Equilibrium) -> float:
         """How much the number rises over 1 % of the motion, relative."""
@@ -92,7 +88,7 @@ class Summit:
                 break
             place = known[0] + step
             try:
-                found = self._read(branch.at(place))[0]
+                found = self._read(branch.at(place))
             except NoEquilibriumError:
                 break  # the branch ends: the peak is as near as it gets
             curvature = (found[-1] - known[1][-1]) / step
@@ -103,20 +99,14 @@ class Summit:
         return known[1]
 
 
-def _moving(seeds: Seeds, equilibrium: Equilibrium, found: Rates) -> Array | None:
+def _moving(seeds: Seeds, equilibrium: Equilibrium) -> Array | None:
     """How the place of a change moves along the motion with each number; None where nothing is seen to change."""
     for known in (equilibrium, *_twins(seeds.setting, equilibrium)):
-        solution = found if known is equilibrium else _rates(seeds, known)
-        margin = _margin(seeds, known, solution)
+        margin = _margin(seeds, known, seeds.solved(known).rates)
         if margin is not None and margin[-1]:
             moved: Array = -margin[:-1] / margin[-1]
             return moved
     return None
-
-
-def _rates(seeds: Seeds, equilibrium: Equilibrium) -> Rates:
-    touching, frames = seeds.touching(equilibrium), seeds.frames(equilibrium.obstacle.frame.parameter)
-    return rates(touching, seeds.change(touching, frames))
 
 
 def _margin(seeds: Seeds, equilibrium: Equilibrium, found: Rates) -> Array | None:

@@ -15,7 +15,7 @@ from gripper.pose_result import PoseResult, Record, Vector, jsonable
 from gripper.scene import Scene
 from gripper.sensitivity.limits import refusal, side
 from gripper.sensitivity.memory import UnknownPastError
-from gripper.sensitivity.numbers import Table, pose_rates
+from gripper.sensitivity.numbers import Reading, Table
 from gripper.sensitivity.object_rates import ObjectRates
 from gripper.sensitivity.opened import NotOpenError
 from gripper.sensitivity.seeds import Seeds
@@ -181,7 +181,7 @@ def _of_pose(result: Result, seeds: Seeds, pose: PoseResult, kept: Kept | None) 
     kind, reason = side(result, pose, kept)
     if kind != "none":
         try:
-            return _rows(pose_rates(seeds, kept.equilibrium), pose, seeds, kind, reason)
+            return _rows(Reading(seeds, kept.equilibrium).table(), pose, seeds, kind, reason)
         except np.linalg.LinAlgError:
             reason = "the equilibrium is at a limit point, where its derivatives are infinite"
         except UnknownPastError as error:

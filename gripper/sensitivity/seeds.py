@@ -20,6 +20,7 @@ from gripper.sensitivity.finger_rates import FingerRates
 from gripper.sensitivity.flow import Change
 from gripper.sensitivity.memory import Memory
 from gripper.sensitivity.object_rates import ObjectRates
+from gripper.sensitivity.tangent import Rates, rates
 from gripper.sensitivity.touching import Touching
 from gripper.site import Site
 
@@ -37,6 +38,15 @@ class FrameRates:
     spin: Array
     clamp: Complex  # in m
     clamp_angle: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Solved:
+    """An equilibrium read at its contacts, and its rates by each number."""
+
+    touching: Touching
+    frames: FrameRates
+    rates: Rates
 
 
 class Seeds:
@@ -65,6 +75,7 @@ class Seeds:
                 raise ValueError(f"{key} must {rule} (without friction there is no side to slip to); got none")
         self.scene, self.setting, self.keys = scene, setting, (*keys, *([MOTION] if scene.motion else []))
         self._memory = Memory(self)
+        self._solved: dict[int, Solved] = {}
         self.kinematics = Kinematics(scene, setting.sections.length)
         finger = {self._inner(key): known[key] for key in keys if self._table(key) == "finger"}
         body = {key.split(".", 1)[1]: known[key] for key in keys if self._table(key) == "object"}
@@ -129,11 +140,17 @@ class Seeds:
         x, y, angle = (np.array([float(key == f"{name}.pose.{axis}") for key in self.keys]) for axis in _POSES)
         return x + 1j * y, angle
 
-    def touching(self, equilibrium: Equilibrium) -> Touching:
-        """An equilibrium read at its contacts."""
-        return Touching(self.setting, equilibrium, self.finger)
+    def solved(self, equilibrium: Equilibrium) -> Solved:
+        """The rates of an equilibrium by all numbers, reckoned once."""
+        known = self._solved.get(id(equilibrium))
+        if known is None:
+            touching = Touching(self.setting, equilibrium, self.finger)
+            frames = self.frames(equilibrium.obstacle.frame.parameter)
+            known = Solved(touching, frames, rates(touching, self._change(touching, frames)))
+            self._solved[id(equilibrium)] = known  # which keeps the equilibrium, and so its id
+        return known
 
-    def change(self, touching: Touching, frames: FrameRates) -> Change:
+    def _change(self, touching: Touching, frames: FrameRates) -> Change:
         """The directions of all numbers at an equilibrium."""
         change = Change.none(touching, len(self.keys))
         self._of_finger(touching, change)
