@@ -121,7 +121,7 @@ def survey(setting: Setting, obstacle: Obstacle, state: State, *, brief: bool = 
         depths = ends.g / ends.steepness
         if round_ == 0:
             gaps, rough, engulfed = ends.g, depths, _engulfed(setting, obstacle, pieces, ends.points[0])
-            sunken = _sunken_corners(setting, obstacle, axis, pieces, ends.points[0])
+            sunken = _sunken_corners(setting, obstacle, axis, pieces, ends.points)
         nearest = min(nearest, float(depths.min()))
         lower, sure = _lower_bound(obstacle, arc, pieces, ends)
         lower = lower / ends.steepness.min(axis=0)
@@ -273,16 +273,17 @@ def _engulfed(setting: Setting, obstacle: Obstacle, pieces: Pieces, points: Comp
 
 
 def _sunken_corners(
-    setting: Setting, obstacle: Obstacle, axis: Axis, pieces: Pieces, points: Complex
+    setting: Setting, obstacle: Obstacle, axis: Axis, pieces: Pieces, ends: Complex
 ) -> tuple[tuple[int, float], ...]:
     """Corners of the object that lie deeper than :data:`DEPTH` behind the nearest piece of the outline."""
-    corners = obstacle.corners
+    corners, points = obstacle.corners, ends[0]
     if not len(corners):
         return ()
     near = np.flatnonzero(_around(corners, points))
-    distance = np.abs(corners[near, None] - points[None, :])
-    nearest = np.argmin(distance, axis=1)
-    near, nearest = (found[distance[np.arange(len(near)), nearest] < _CLOSE] for found in (near, nearest))
+    near = near[np.abs(corners[near, None] - points).min(axis=1, initial=np.inf) < _CLOSE]
+    if not len(near):
+        return ()
+    nearest = np.argmin(_to_chords(corners[near], ends), axis=1)
     tangent = setting.outline.trace(axis, pieces.piece[nearest], pieces.u0[nearest], pieces.segment[nearest])[1]
     outside = dot(points[nearest] - corners[near], 1j * tangent / np.abs(tangent)) * _sides(pieces.piece[nearest])
     close, nearest = near[outside < _ASIDE], nearest[outside < _ASIDE]
@@ -308,6 +309,13 @@ def _sunken_corners(
         ring = points[np.isin(pieces.piece, part if len(part) > 1 else (LOWER, UPPER))]
         inside[i] = bool(np.sum(crossings(complex(corners[close[i]]), ring)) % 2)
     return tuple(zip(piece[inside].tolist(), u[inside].tolist(), strict=True))
+
+
+def _to_chords(places: Complex, ends: Complex) -> Array:
+    """Distances of places (n,) to the chords between ends (2, k): (n, k)."""
+    chord, away = ends[1] - ends[0], places[:, None] - ends[0]
+    along = np.clip(dot(away, chord) / np.abs(chord) ** 2, 0.0, 1.0)
+    return np.abs(away - along * chord)
 
 
 def _around(places: Complex, points: Complex) -> Array:

@@ -35,7 +35,7 @@ _SHALLOW = 0.02  # of L: how deep a sharp corner may sink before the first conta
 _BEYOND = 2e-3  # of L: how far behind a limit point the descent starts
 _INDIVISIBLE = 2e-6  # of L: events nearer than this are one
 _SHORTEST = 1e-6  # of L: where steps this short do not succeed, there is no equilibrium to follow
-_PATIENCE = 30  # steps that may fail on the way to a pose
+_PATIENCE = 30  # steps that may fail on the way to a pose, or to a snap
 _SNAPS = 3
 _HIGHEST_ORDER = 14
 _EXTRAPOLATED = 3.0  # of the last step: the next one may be that much longer and still bend as it did
@@ -124,7 +124,7 @@ class Tracker:
                     if snaps > _SNAPS:
                         raise NoEquilibriumError(f"the finger snaps on and on: {error}") from error
                     self._snap(self._within(target, _BEYOND), error)
-                    bound = 1e-3
+                    bound, failures = 1e-3, 0
         return self._refined()
 
     def _refuse_at_clamp(self, parameter: float) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 
 import gripper as gr
 from gripper_plugins.fingers import Stepped
+from gripper_plugins.jaws import Triangle
 from gripper_plugins.objects import (
     Circle,
     Conic,
@@ -191,6 +193,30 @@ def test_a_pin_passes_lead_face_apex_and_return_face_and_ends_on_jaw_and_finger_
         radius = complex(*contact.point) - complex(pose.parameter, -0.01)
         assert abs(radius) == pytest.approx(0.0089, rel=1e-6)
         assert complex(*contact.normal) == pytest.approx(radius / abs(radius), abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("thickness", "length", "lead", "back"),
+    [(0.0054, 0.0181, 45.7, 58.3), (0.0026, 0.0128, 46.0, 55.0)],
+)
+def test_a_block_s_corners_pass_lead_face_and_return_face(
+    thickness: float, length: float, lead: float, back: float
+) -> None:
+    """The object's corner on the return face lies behind the lead face's line: it is not in the jaw for that."""
+    jaw = Triangle(length=length, lead_angle=math.radians(lead), return_angle=math.radians(back))
+    finger = replace(STRAIGHT, thickness=thickness, jaw=jaw)
+    block = Polygon(vertices=((0, 0), (0.015, 0), (0.015, -0.015), (0, -0.015))).at(x=Q, y=-thickness / 2 - 0.002)
+    to_apex = length * math.tan(jaw.lead_angle) / (math.tan(jaw.lead_angle) + math.tan(jaw.return_angle))
+    ways = (0.04, 0.004, -0.006, -0.016, -0.018, -0.04)  # from the unbent apex to the block's left end
+    motion = gr.Motion("q", tuple(finger.length + to_apex + way for way in ways))
+    free, lead_pose, top, *backs, gone = gr.trace(gr.Scene(finger=finger, object=block, motion=motion)).poses
+    assert free.status == gone.status == "free"
+    for pose, corner, sign in ((lead_pose, 0.0, 1), *((pose, 0.015, -1) for pose in backs)):
+        assert pose.status == "contact", pose.reason
+        (contact,) = pose.contacts
+        assert contact.point == pytest.approx((pose.parameter + corner, -thickness / 2 - 0.002), abs=1e-9)
+        assert sign * pose.force_on_object[0] > 0 > pose.force_on_object[1]
+    assert top.force_on_object[0] == pytest.approx(0, abs=1e-9) and top.contacts[0].on == "jaw"
 
 
 # ---- Nothing is jumped over.
