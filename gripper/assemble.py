@@ -34,6 +34,8 @@ _SAMPLES = 9
 _FEET = 6  # Newton steps to the foot of a normal
 _GRAZED = 0.05  # of L: how much wider than the least sampled gap is looked at
 _REFINEMENTS = 2
+_MOST_REFINEMENTS = 60
+_LOWER = 1e-6  # of L: twice what g may still fall below where it is taken to be least
 _GRAZING = 1e-9  # of L: the least deflection that unknowns are scaled to
 _ARCS = np.concatenate([[0.0], np.geomspace(0.02, 3.0, 24)])
 _ORDERS = ((1e-2, 2), (1e-3, 3), (1e-4, 4), (1e-6, 5), (1e-8, 7), (0.0, 9))
@@ -311,19 +313,24 @@ class Problem:
         fa, fb = slope[rows, least], slope[rows, other]
         inner = (other != least) & (fa * fb < 0)
         piece, segment = self._piece[:, 0], self._segment[rows, least]
-        for _ in range(_REFINEMENTS):
+        for refinement in range(_MOST_REFINEMENTS):
             rise = np.where(inner, fb - fa, 1.0)
+            if refinement >= _REFINEMENTS and not np.any(inner & (np.abs(fa**2 * (b - a) / rise) > _LOWER)):
+                break
             c = np.where(inner, a - fa * (b - a) / rise, a)
             fc = np.where(inner, self._slope(axis, c, piece, segment, rows)[1], 0.0)
             keep = fa * fc < 0  # the root lies between a and c
-            a, fa, b, fb = c, fc, np.where(keep, a, b), np.where(keep, fa, fb)
+            # an end that stays counts for half (the Illinois rule): a sharp object is found as surely as a round one
+            stays = np.where(refinement < _REFINEMENTS, 1.0, 0.5)
+            a, fa, b, fb = c, fc, np.where(keep, a, b), np.where(keep, fa, fb * stays)
             inner &= np.abs(fa) > 1e-14
         return np.where(inner, a - fa * (b - a) / np.where(inner, fb - fa, 1.0), a)
 
 
 def least_gaps(setting: Setting, obstacle: Obstacle, state: State, found: Survey) -> list[tuple[float, Site]]:
     """The gaps of the places that come nearest to the object, by L: negative where it penetrates, however little."""
-    candidates = near(setting, obstacle, state, found, max(found.min_gap, 0.0) + _GRAZED)
+    unseen = float(np.max(found.pieces.u1 - found.pieces.u0)) / 2  # what lies between two samples may be that much nearer
+    candidates = near(setting, obstacle, state, found, max(found.min_gap, 0.0) + _GRAZED + unseen)
     if not candidates:
         return []
     problem = Problem(setting, obstacle, state, candidates)
@@ -347,7 +354,7 @@ def near(setting: Setting, obstacle: Obstacle, state: State, found: Survey, reac
 
 
 def _stretches(setting: Setting, state: State, found: Survey, reach: float) -> list[Candidate]:
-    pieces, least = found.pieces, found.gaps.min(axis=0)
+    pieces, least = found.pieces, np.minimum(found.gaps, found.depths).min(axis=0)
     out: dict[tuple[int, int], Candidate] = {}
     for i in np.flatnonzero(least < reach):
         piece, segment = int(pieces.piece[i]), int(pieces.segment[i])

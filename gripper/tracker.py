@@ -19,7 +19,7 @@ from gripper.branch import Along, Path
 from gripper.certificate import DEPTH, Survey, survey
 from gripper.clearance import clearance
 from gripper.contact import linearise
-from gripper.equilibrium import NoEquilibriumError, Setting, State, predicted, straight, unloaded
+from gripper.equilibrium import NoEquilibriumError, Setting, State, predicted, unloaded
 from gripper.events import STRUT, Change, changes, head_on
 from gripper.features import transition
 from gripper.patches import settle_contacts
@@ -209,8 +209,9 @@ class Tracker:
 
     def _pushed(self, found: Verified) -> State:
         """The straight finger bent by the least that closes the gaps where it touches now, to first order."""
-        state = straight(self.setting, self.order)
         sites = tuple(pointed(site) for site in found.equilibrium.state.sites)
+        beam = self.setting.beam(sites, self.order)
+        state = State(beam, np.zeros(beam.size))
         obstacle, loads = found.equilibrium.obstacle, np.zeros(len(sites))
         lin = linearise(state.beam, state.z, self.setting.outline, obstacle, sites, loads, kinks=False)
         return replace(state, z=np.linalg.lstsq(lin.gradients, -lin.values)[0])
