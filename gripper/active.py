@@ -20,6 +20,7 @@ from gripper.verified import PULL, Verified, verify
 _ROUNDS = 5
 _PATIENCE = 40  # SLSQP takes 8 to 15 iterations where it gets somewhere
 _COARSE = 1e-6  # SLSQP only has to tell who touches: Newton does the rest
+_SETTLING = 20  # evaluations that a set of contacts costs that is none
 REACH = 0.05
 """Stretches of outline this near to the object (by L) are candidates from the start; the survey adds others."""
 
@@ -45,11 +46,11 @@ def find(setting: Setting, obstacle: Obstacle, start: State, order: int, known: 
     state = State(start.beam, start.z)
     found = known or survey(setting, obstacle, state, brief=True)
     candidates = near(setting, obstacle, state, found, REACH)
-    reason, iterations = "no candidate for a contact", 0
+    reason, iterations, effort = "no candidate for a contact", 0, 0
     for _ in range(_ROUNDS):
         problem = Problem(setting, obstacle, state, candidates)
         answer = minimize(**problem.scipy(_COARSE, _PATIENCE))
-        iterations += int(answer.nit)
+        iterations, effort = iterations + int(answer.nit), effort + int(answer.nfev)
         relaxed = problem.state(answer.x)
         for sites, multipliers in active_sets(setting, problem, answer.x, np.atleast_1d(answer.multipliers)):
             try:
@@ -57,15 +58,15 @@ def find(setting: Setting, obstacle: Obstacle, start: State, order: int, known: 
                 settled = _loaded(setting, settle_contacts(setting, obstacle, guess, order), order)
                 verified = verify(setting, settled)
             except NoEquilibriumError as error:
-                reason = str(error)
+                reason, effort = str(error), effort + _SETTLING
                 continue
             total = replace(verified.equilibrium, iterations=iterations + settled.iterations)
             return replace(verified, equilibrium=total)
         more = violated(setting, obstacle, relaxed, candidates)
         if not more:
-            raise NoEquilibriumError(reason)
+            break
         candidates += more
-    raise NoEquilibriumError(reason)
+    raise NoEquilibriumError(reason, effort)
 
 
 def _loaded(setting: Setting, settled: Equilibrium, order: int) -> Equilibrium:

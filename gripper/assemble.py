@@ -329,7 +329,9 @@ class Problem:
 
 def least_gaps(setting: Setting, obstacle: Obstacle, state: State, found: Survey) -> list[tuple[float, Site]]:
     """The gaps of the places that come nearest to the object, by L: negative where it penetrates, however little."""
-    unseen = float(np.max(found.pieces.u1 - found.pieces.u0)) / 2  # what lies between two samples may be that much nearer
+    unseen = (
+        float(np.max(found.pieces.u1 - found.pieces.u0)) / 2
+    )  # what lies between two samples may be that much nearer
     candidates = near(setting, obstacle, state, found, max(found.min_gap, 0.0) + _GRAZED + unseen)
     if not candidates:
         return []

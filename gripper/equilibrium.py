@@ -13,6 +13,8 @@ cut anew until the places that come out are those that went in.
 from __future__ import annotations
 
 import functools
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -178,7 +180,34 @@ def _shared(sites: tuple[Site, ...]) -> tuple[Site, ...]:
 
 
 class NoEquilibriumError(Exception):
-    """Newton found no equilibrium with this set of contacts; says why."""
+    """Newton found no equilibrium with this set of contacts; says why.
+
+    Parameters
+    ----------
+    reason
+        In words.
+    effort
+        How often the gaps were evaluated in vain.
+    """
+
+    def __init__(self, reason: str, effort: int = 0) -> None:
+        super().__init__(reason)
+        self.effort = effort
+
+
+@contextmanager
+def reckoned() -> Iterator[None]:
+    """Arithmetic that breaks down within is a refusal with a reason.
+
+    Raises
+    ------
+    NoEquilibriumError
+        In place of a matrix that cannot be factorised, an overflow or a division by zero.
+    """
+    try:
+        yield
+    except (np.linalg.LinAlgError, ArithmeticError) as error:
+        raise NoEquilibriumError(f"the arithmetic breaks down: {error}") from error
 
 
 def _matrix(lin: Linearisation) -> Array:

@@ -15,6 +15,7 @@ from gripper.verified import Verified
 
 _STEPS = 150
 _TRIES = 3
+_EFFORT = 4000  # evaluations of the gaps
 _UNDAMPED = 1e-3  # damping at which the steps are as good as free
 _LONGEST = 0.02  # of L: no point of the axis moves further in a step, so that nothing is passed through
 _REST = 1e-6  # of L: the finger has come to rest
@@ -41,9 +42,12 @@ def descend(setting: Setting, obstacle: Obstacle, start: State, order: int) -> V
     """
     beam = setting.beam((), order)
     state = State(beam, beam.project(start.beam, start.z))
-    damping, reason, tries = 1.0, "the finger does not come to rest", 0
+    damping, reason, tries, effort = 1.0, "the finger does not come to rest", 0, 0
     for _ in range(_STEPS):
-        following = _damped_step(setting, obstacle, state, damping)
+        following, evaluations = _damped_step(setting, obstacle, state, damping)
+        effort += evaluations
+        if effort > _EFFORT:
+            break
         moved = distance(state, following)
         if moved > _LONGEST and damping < 1e6:
             damping *= 4
@@ -54,15 +58,15 @@ def descend(setting: Setting, obstacle: Obstacle, start: State, order: int) -> V
             try:
                 return find(setting, obstacle, state, order)
             except NoEquilibriumError as error:
-                reason = str(error)
+                reason, effort = str(error), effort + error.effort
             if moved < _REST:
                 break
         if moved < _LONGEST / 4:
             damping /= 2
-    raise NoEquilibriumError(f"after a snap: {reason}")
+    raise NoEquilibriumError(f"after a snap: {reason}", effort)
 
 
-def _damped_step(setting: Setting, obstacle: Obstacle, state: State, damping: float) -> State:
+def _damped_step(setting: Setting, obstacle: Obstacle, state: State, damping: float) -> tuple[State, int]:
     found = survey(setting, obstacle, state)
     problem = Problem(setting, obstacle, state, near(setting, obstacle, state, found, 0.1))
     arguments = problem.scipy(1e-9)
@@ -72,4 +76,5 @@ def _damped_step(setting: Setting, obstacle: Obstacle, state: State, damping: fl
         away = x - x0
         return float(x @ x + damping * (away @ away)) / 2, x + damping * away
 
-    return problem.state(minimize(**{**arguments, "fun": dissipating}).x)
+    answer = minimize(**{**arguments, "fun": dissipating})
+    return problem.state(answer.x), int(answer.nfev)

@@ -9,7 +9,7 @@ from dataclasses import replace
 from gripper.answer import Answer, pose_result
 from gripper.assemble import first_order, law, left_out, setting
 from gripper.certificate import survey
-from gripper.equilibrium import NoEquilibriumError, Setting, unloaded
+from gripper.equilibrium import NoEquilibriumError, Setting, reckoned, unloaded
 from gripper.frictional import tracker_for
 from gripper.kinematics import Kinematics, Placement, Retreat
 from gripper.ladder import rungs, suffices, theory_difference
@@ -148,8 +148,9 @@ def _posed(scene: Scene, fixed: Setting) -> PoseResult:
     frame = kinematics.frame(0.0)
     began = time.process_time()
     try:
-        answer = _approached(scene, fixed, frame)
-        pose = numbers(scene, fixed, answer, None, kinematics.placement(0.0))
+        with reckoned():
+            answer = _approached(scene, fixed, frame)
+            pose = numbers(scene, fixed, answer, None, kinematics.placement(0.0))
     except LockedError as error:
         pose = PoseResult(parameter=None, status="locked", reason=str(error))
     except NoEquilibriumError as error:

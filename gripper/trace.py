@@ -9,7 +9,7 @@ from dataclasses import replace
 from gripper.assemble import first_order, setting
 from gripper.beam import BeamTheory
 from gripper.branch import Along
-from gripper.equilibrium import NoEquilibriumError, Setting
+from gripper.equilibrium import NoEquilibriumError, Setting, reckoned
 from gripper.events import STRUT
 from gripper.extremes import Extreme, Extremes
 from gripper.frictional import FrictionTracker, tracker_for
@@ -143,12 +143,8 @@ class _Follower:
         began = time.process_time()
         self.watch.leg, self.watch.heading = next(self._ways)
         try:
-            if self.tracker is None:
-                self.tracker = self._begin(value)
-                self.tracker.watch = self.watch
-            answer = self.tracker.advance(value)
-            self.watch.stand(Along(value, answer.verified.equilibrium))
-            pose = numbers(self.scene, self.fixed, answer, value, self.kinematics.placement(value))
+            with reckoned():
+                pose = self._reached(value)
         except LockedError as error:
             self.locked = Extreme(value=error.mu / error.limit, parameter=value)
             others = Checks(other_solutions=self._if_free(value))
@@ -158,6 +154,15 @@ class _Follower:
             pose = PoseResult.failed(value, str(error), iterations)
         pose = self._with_friction(pose)
         return replace(pose, seconds=time.process_time() - began)
+
+    def _reached(self, value: float) -> PoseResult:
+        """The numbers at the next value."""
+        if self.tracker is None:
+            self.tracker = self._begin(value)
+            self.tracker.watch = self.watch
+        answer = self.tracker.advance(value)
+        self.watch.stand(Along(value, answer.verified.equilibrium))
+        return numbers(self.scene, self.fixed, answer, value, self.kinematics.placement(value))
 
     def _with_friction(self, pose: PoseResult) -> PoseResult:
         """Work and dissipation since the motion began, and other solutions, where there is friction."""

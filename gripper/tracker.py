@@ -7,6 +7,7 @@ does not help, the equilibrium has ended: the finger snaps.
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
 from dataclasses import replace
@@ -19,7 +20,7 @@ from gripper.branch import Along, Path
 from gripper.certificate import DEPTH, Survey, survey
 from gripper.clearance import clearance
 from gripper.contact import linearise
-from gripper.equilibrium import NoEquilibriumError, Setting, State, predicted, unloaded
+from gripper.equilibrium import NoEquilibriumError, Setting, State, predicted, reckoned, unloaded
 from gripper.events import STRUT, Change, changes, head_on
 from gripper.features import transition
 from gripper.patches import settle_contacts
@@ -35,12 +36,16 @@ _SHALLOW = 0.02  # of L: how deep a sharp corner may sink before the first conta
 _BEYOND = 2e-3  # of L: how far behind a limit point the descent starts
 _INDIVISIBLE = 2e-6  # of L: events nearer than this are one
 _SHORTEST = 1e-6  # of L: where steps this short do not succeed, there is no equilibrium to follow
+_SMALLER = 0.05  # of the object's inner radius: the same for one that is smaller still
 _PATIENCE = 30  # steps that may fail on the way to a pose, or to a snap
+_SETTLING = 20  # evaluations of the gaps in a step that fails
+_EFFORT = 4000  # evaluations of the gaps that may be in vain on the way to a pose
 _SNAPS = 3
 _HIGHEST_ORDER = 14
 _EXTRAPOLATED = 3.0  # of the last step: the next one may be that much longer and still bend as it did
 _DEPARTS = 0.5  # of a step: what it may differ from its prediction
 _LEAVES = "the equilibrium ends here: the finger leaves for another"
+_ALONG = np.linspace(0.0, 1.0, 33)
 _TURNS = 8  # parts in which a step's path is measured
 
 
@@ -107,19 +112,20 @@ class Tracker:
             Where no equilibrium could be followed that far; the tracker stays at the last one it found.
         """
         self._refuse_at_clamp(target)
-        self.iterations = failures = snaps = 0
+        self.iterations = failures = snaps = effort = 0
         bound = np.inf
         while self.parameter != target:
             following = self._within(target, bound)
             try:
-                self._step(following)
-                bound = min(2 * bound, np.inf)
+                with reckoned():
+                    self._step(following)
+                bound, failures = 2 * bound, max(failures - 1, 0)
             except NoEquilibriumError as error:
-                failures += 1
-                if failures > _PATIENCE:
-                    raise NoEquilibriumError(f"{error} ({failures} steps have failed on the way)") from error
+                failures, effort = failures + 1, effort + _SETTLING + error.effort
+                if failures > _PATIENCE or effort > _EFFORT:
+                    raise NoEquilibriumError(f"{error} (too many steps have failed on the way)") from error
                 bound = self._travel(self.parameter, following) / 2
-                if bound < _SHORTEST:
+                if bound < min(_SHORTEST, _SMALLER * self.setting.body.inner_radius / self.setting.sections.length):
                     snaps += 1
                     if snaps > _SNAPS:
                         raise NoEquilibriumError(f"the finger snaps on and on: {error}") from error
@@ -153,9 +159,16 @@ class Tracker:
         """How far (by L) the object may move relative to the clamp without passing through anything unseen."""
         deep = self.setting.body.inner_radius / self.setting.sections.length
         if self.sites:
-            return min(deep, 2 * _LONGEST)
+            return min(max(deep, self._thin), 2 * _LONGEST)
         sink = _SHALLOW if len(self.setting.body.corners) else _LONGEST
         return min(deep / 2, sink)
+
+    @functools.cached_property
+    def _thin(self) -> float:
+        """How far (by L) any object that touches may move without passing through the finger's thickness unseen."""
+        if self.setting.outline.jaw is not None:
+            return 0.0
+        return min(float(np.min(self.setting.sections.thickness(_ALONG))) / 4, _SHALLOW)
 
     def _travel(self, start: float, stop: float) -> float:
         """Length of the object's relative path (by L), its turning included."""
