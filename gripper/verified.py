@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from gripper.assemble import least_gaps
 from gripper.beam import legendre
 from gripper.certificate import Survey, survey
+from gripper.contact import linearise
 from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting
 from gripper.site import NARROW
 
@@ -16,6 +17,8 @@ _RIPPLE = 3e-2  # of the largest pressure: what a polynomial may leave where the
 _ACROSS = np.linspace(-1.0, 1.0, 17)
 _GRAZING = 1e-12  # of L: a gap's round-off
 _FLAT = 1e-4  # curvature of the gap, times L: below it a tangent's place is held by the next order
+_AT_KINK = 1e-6  # of L: how far a fixed place may be from where the gap is least
+_LEVEL = 1e-5  # slope of the gap where finger and object conform
 NOTHING = 1e-13  # over EI / L^2: the round-off of no force
 PULL = 1e-9  # relative: multipliers this negative are round-off
 
@@ -66,7 +69,7 @@ def verify(setting: Setting, equilibrium: Equilibrium) -> Verified:
     NoEquilibriumError
         Where a contact pulls, lies off its piece, something penetrates elsewhere, or the equilibrium is unstable.
     """
-    reason = objection(setting, equilibrium)
+    reason = objection(setting, equilibrium) or _adrift(setting, equilibrium)
     if reason:
         raise NoEquilibriumError(reason)
     found = survey(setting, equilibrium.obstacle, equilibrium.state)
@@ -76,6 +79,22 @@ def verify(setting: Setting, equilibrium: Equilibrium) -> Verified:
     if stiffness <= 0:
         raise NoEquilibriumError("the equilibrium is unstable")
     return Verified(equilibrium, found, stiffness)
+
+
+def _adrift(setting: Setting, equilibrium: Equilibrium) -> str | None:
+    """Whether a node is held by nothing, in words: its place is a kink of the profile, or the finger conforms there.
+
+    Elsewhere the least gap has a place of its own, and the force would depend on where the node was made.
+    """
+    state = equilibrium.state
+    nodes = [site for site in state.sites if site.kind == "node"]
+    loose = [site for site in nodes if all(abs(site.middle - kink) > _AT_KINK for kink in setting.sections.kinks)]
+    if not loose:
+        return None
+    sites = tuple(replace(site, kind="tangent", grip=None) for site in loose)
+    lin = linearise(state.beam, state.z, setting.outline, equilibrium.obstacle, sites, np.zeros(len(sites)))
+    level = np.maximum(_LEVEL, _AT_KINK * np.abs(np.diag(lin.residual_slopes)))
+    return "a contact is not where the gap is least" if np.any(np.abs(lin.residuals) > level) else None
 
 
 def stability(equilibrium: Equilibrium) -> float:
