@@ -44,73 +44,47 @@ class Plastic:
     sources: tuple[str, str, str]
 
 
-PLASTICS = {
-    "POM": Plastic(
-        youngs_modulus=3.1e9,
-        poisson_ratio=0.35,
-        once=0.06,
-        repeated=0.02,
-        friction_on_steel=(0.20, 0.35),
-        on_itself=1.5,
-        sources=(
-            "Delrin 500P, data sheet, ISO 527-2",
-            f"{DUPONT}: Delrin 500, 6 % once, 2 to 3 % frequently",
-            f"{COVESTRO}, table 3",
-        ),
-    ),
-    "PA66": Plastic(
-        youngs_modulus=3.1e9,
-        poisson_ratio=0.41,
-        once=0.04,
-        repeated=0.02,
-        friction_on_steel=(0.30, 0.40),
-        on_itself=1.5,
-        sources=(
-            "Zytel 103HSL, data sheet, ISO 527-1/-2, dry",
-            f"{DUPONT}: Zytel 101, dry, 4 % once, 2 % frequently",
-            f"{COVESTRO}, table 3",
-        ),
-    ),
-    "PA66 conditioned": Plastic(
-        youngs_modulus=1.4e9,
-        poisson_ratio=0.41,
-        once=0.06,
-        repeated=0.03,
-        friction_on_steel=(0.30, 0.40),
-        on_itself=1.5,
-        sources=(
-            "Zytel 103HSL, data sheet, ISO 527-1/-2, conditioned",
-            f"{DUPONT}: Zytel 101, 50 % relative humidity, 6 % once, 3 % frequently",
-            f"{COVESTRO}, table 3",
-        ),
-    ),
-    "PC": Plastic(
-        youngs_modulus=2.4e9,
-        poisson_ratio=0.38,
-        once=0.04,
-        repeated=0.024,
-        friction_on_steel=(0.45, 0.55),
-        on_itself=1.2,
-        sources=(
-            "Makrolon 2405, data sheet, ISO 527-1/-2",
-            f"{COVESTRO}, table 2: Makrolon, 4 % once, 60 % of it frequently",
-            f"{COVESTRO}, table 3",
-        ),
-    ),
-    "ABS": Plastic(
-        youngs_modulus=2.3e9,
-        poisson_ratio=0.35,
-        once=0.0168,
-        repeated=0.01,
-        friction_on_steel=(0.50, 0.65),
-        on_itself=1.2,
-        sources=(
-            "Terluran GP-35, data sheet, ISO 527-1/-2",
-            f"{COVESTRO}, part B: 70 % of an amorphous plastic's yield strain (2.4 %, as above), 60 % of it frequently",
-            f"{COVESTRO}, table 3",
-        ),
-    ),
+_MODULI = {
+    "POM": (3.1e9, 0.35, "Delrin 500P, data sheet, ISO 527-2"),
+    "PA66": (3.1e9, 0.41, "Zytel 103HSL, data sheet, ISO 527-1/-2, dry"),
+    "PA66 conditioned": (1.4e9, 0.41, "Zytel 103HSL, data sheet, ISO 527-1/-2, conditioned"),
+    "PC": (2.4e9, 0.38, "Makrolon 2405, data sheet, ISO 527-1/-2"),
+    "ABS": (2.3e9, 0.35, "Terluran GP-35, data sheet, ISO 527-1/-2"),
 }
+_YIELD = "70 % of an amorphous plastic's yield strain (2.4 %, as above), 60 % of it frequently"
+_STRAINS = {
+    "POM": (0.06, 0.02, f"{DUPONT}: Delrin 500, 6 % once, 2 to 3 % frequently"),
+    "PA66": (0.04, 0.02, f"{DUPONT}: Zytel 101, dry, 4 % once, 2 % frequently"),
+    "PA66 conditioned": (0.06, 0.03, f"{DUPONT}: Zytel 101, 50 % relative humidity, 6 % once, 3 % frequently"),
+    "PC": (0.04, 0.024, f"{COVESTRO}, table 2: Makrolon, 4 % once, 60 % of it frequently"),
+    "ABS": (0.0168, 0.01, f"{COVESTRO}, part B: {_YIELD}"),
+}
+_FRICTION = {
+    "POM": (0.20, 0.35, 1.5),
+    "PA66": (0.30, 0.40, 1.5),
+    "PA66 conditioned": (0.30, 0.40, 1.5),
+    "PC": (0.45, 0.55, 1.2),
+    "ABS": (0.50, 0.65, 1.2),
+}
+"""Of each plastic on steel, from and to; factor on it for the same plastic. All of Covestro's table 3."""
+
+
+def _row(name: str) -> Plastic:
+    modulus, ratio, of_modulus = _MODULI[name]
+    once, repeated, of_strains = _STRAINS[name]
+    least, largest, factor = _FRICTION[name]
+    return Plastic(
+        youngs_modulus=modulus,
+        poisson_ratio=ratio,
+        once=once,
+        repeated=repeated,
+        friction_on_steel=(least, largest),
+        on_itself=factor,
+        sources=(of_modulus, of_strains, f"{COVESTRO}, table 3"),
+    )
+
+
+PLASTICS = {name: _row(name) for name in _MODULI}
 """Plastics by name."""
 
 

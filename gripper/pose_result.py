@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from gripper.kept import Kept
 
 Vector = tuple[float, float]
+_FIRST = ("parameter", "status", "reason")
 _OF_FRICTION = ("singularity", "other_solutions")
 Status = Literal["free", "contact", "locked", "failed"]
 
@@ -187,17 +188,15 @@ class Shape:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class PoseResult(Record):
-    """One pose: SI units, world frame unless named otherwise; every number None where it failed.
+class PoseNumbers(Record):
+    """The numbers of one pose that have derivatives: SI units, world frame unless named otherwise.
 
     Parameters
     ----------
     parameter
         The motion's parameter; None in a scene without motion.
-    status
-        "free" (no contact), "contact", "locked" (friction holds it for any force) or "failed".
     reason
-        Why it failed or locked.
+        Why there are none.
     force_on_object, force_on_object_finger_frame
         Of the finger on the object, in N: world axes, and axes of the clamp.
     moment_on_object
@@ -208,12 +207,39 @@ class PoseResult(Record):
         EI psi'(0), in N m: positive when the object pushes towards the finger's +y.
     energy
         Strain energy, in J.
-    work, dissipation
-        With friction along a motion: work put in by the drive, and energy lost, since the motion began, in J.
     tip, tip_rotation
         Neutral axis at s = L, in m; psi(L) relative to the clamp, in rad.
-    max_strain, max_strain_s
-        Largest abs(eps) + abs(kappa) w / 2, and where (m from the clamp; None where nothing bends it).
+    max_strain
+        Largest abs(eps) + abs(kappa) w / 2.
+    """
+
+    parameter: float | None
+    reason: str | None = None
+    force_on_object: Vector | None = None
+    force_on_object_finger_frame: Vector | None = None
+    moment_on_object: float | None = None
+    motion_force: float | None = None
+    clamp_moment: float | None = None
+    energy: float | None = None
+    tip: Vector | None = None
+    tip_rotation: float | None = None
+    max_strain: float | None = None
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class PoseResult(PoseNumbers):
+    """One pose: SI units, world frame unless named otherwise; every number None where it failed.
+
+    Parameters
+    ----------
+    status
+        "free" (no contact), "contact", "locked" (friction holds it for any force) or "failed".
+    reason
+        Why it failed or locked.
+    work, dissipation
+        With friction along a motion: work put in by the drive, and energy lost, since the motion began, in J.
+    max_strain_s
+        Where the strain is largest (m from the clamp; None where nothing bends it).
     min_gap
         Smallest distance of the outlines, in m; negative: depth.
     contacts
@@ -228,22 +254,13 @@ class PoseResult(Record):
         For drawing; None where it failed.
     kept
         For sensitivities; None where it failed, and in a copy from another process.
+
+    The others are those of :class:`PoseNumbers`.
     """
 
-    parameter: float | None
     status: Status
-    reason: str | None = None
-    force_on_object: Vector | None = None
-    force_on_object_finger_frame: Vector | None = None
-    moment_on_object: float | None = None
-    motion_force: float | None = None
-    clamp_moment: float | None = None
-    energy: float | None = None
     work: float | None = None
     dissipation: float | None = None
-    tip: Vector | None = None
-    tip_rotation: float | None = None
-    max_strain: float | None = None
     max_strain_s: float | None = None
     min_gap: float | None = None
     contacts: tuple[Contact, ...] = ()
@@ -267,6 +284,7 @@ class PoseResult(Record):
     def to_dict(self) -> dict[str, Any]:
         """Plain data, ready for JSON: without the shape, which is for drawing, and without work where none is kept."""
         names = [field.name for field in dataclasses.fields(self) if field.name not in ("shape", "kept")]
+        names.sort(key=(*_FIRST, *names).index)
         written = (n for n in names if n not in ("work", "dissipation") or getattr(self, n) is not None)
         return {name: jsonable(getattr(self, name)) for name in written} | {"checks": _written(self.checks)}
 

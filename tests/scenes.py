@@ -29,6 +29,21 @@ REFERENCE = Path(__file__).parent / "reference"
 BEAM = json.loads((REFERENCE / "beam.json").read_text())
 EXACT = json.loads((REFERENCE / "exact.json").read_text())
 
+STRIP = """
+[material]
+youngs_modulus = "2.6 GPa"
+poisson_ratio = 0.35
+[finger]
+profile = "uniform"
+length = "57 mm"
+thickness = "3.2 mm"
+width = "9.5 mm"
+"""
+PIN = """
+[object]
+surface = "circle"
+radius = "8.9 mm"
+"""
 Q = sympy.Symbol("q")
 PLASTIC = gr.Material(youngs_modulus=2.6e9, poisson_ratio=0.35)
 RUBBER = gr.Material(youngs_modulus=4.8e6, shear_modulus=1.71e6, poisson_ratio=0.4)

@@ -16,6 +16,7 @@ from gripper.describe import describe as resolved
 from gripper.output import FILES
 from gripper.registry import GROUPS, installed
 from gripper.scenefile import read
+from tests.scenes import PIN, STRIP
 
 GALLERY = Path(__file__).parent.parent / "gallery"
 GOOD = (GALLERY / "rotating_finger.toml").read_text()
@@ -138,19 +139,7 @@ def test_a_scene_without_motion_is_one_pose_and_goes_to_out_by_its_name(tmp_path
     assert sorted(path.name for path in (tmp_path / "out" / "scene").iterdir()) == sorted(FILES)
 
 
-CHEAP = """
-[material]
-youngs_modulus = "2.6 GPa"
-poisson_ratio = 0.35
-[finger]
-profile = "uniform"
-length = "57 mm"
-thickness = "3.2 mm"
-width = "9.5 mm"
-[object]
-surface = "circle"
-radius = "8.9 mm"
-[object.pose]
+CHEAP = f"""{STRIP}{PIN}[object.pose]
 x = "86 mm + q"
 y = "-40 mm"
 [motion]

@@ -17,7 +17,7 @@ from gripper.parameters import numbers, replaced
 from gripper.sensitivity.curves import curve
 from gripper_plugins.fingers.uniform import Uniform
 from gripper_plugins.objects.circle import Circle
-from tests.scenes import micro_assembly, unit_finger
+from tests.scenes import PIN, STRIP, micro_assembly, unit_finger
 
 SNAP = micro_assembly(*np.linspace(0.086, 0.05, 7))
 
@@ -73,24 +73,12 @@ def test_what_cannot_be_searched_is_refused():
         Goal("flatten", "retention_ratio")
 
 
-DESIGN = """
-[material]
-youngs_modulus = "2.6 GPa"
-poisson_ratio = 0.35
-[finger]
-profile = "uniform"
-length = "57 mm"
-thickness = "3.2 mm"
-width = "9.5 mm"
-[finger.jaw]
+DESIGN = f"""{STRIP}[finger.jaw]
 shape = "triangle"
 length = "19 mm"
 lead_angle = "20 deg"
 return_angle = "60 deg"
-[object]
-surface = "circle"
-radius = "8.9 mm"
-[object.pose]
+{PIN}[object.pose]
 x = "x_o"
 y = "-10.5 mm"
 [motion]

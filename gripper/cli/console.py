@@ -6,19 +6,33 @@ import contextlib
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
-from typing import NoReturn
+from typing import Annotated, NoReturn
 
 import typer
 
 BAD_INPUT, FAILED_POSE, INTERRUPTED = 2, 1, 130
 
 Progress = Callable[[int, int], None]
+Output = Annotated[
+    Path | None,
+    typer.Option("-o", "--output", metavar="DIR", help="Folder to write to; out/ and the scene's name, if not given."),
+]
+"""Where a command writes."""
 
 
 def stop(message: str, status: int) -> NoReturn:
     """Leave with one message on stderr."""
     typer.echo(message, err=True)
     raise typer.Exit(status)
+
+
+@contextlib.contextmanager
+def interruptible(message: str) -> Iterator[None]:
+    """End with one message where Ctrl-C interrupts."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        stop(f"interrupted: {message}", INTERRUPTED)
 
 
 @contextlib.contextmanager

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from gripper.cli.console import BAD_INPUT, INTERRUPTED, output_folder, progress, stop, writing
+from gripper.cli.console import BAD_INPUT, Output, interruptible, output_folder, progress, stop, writing
 
 if TYPE_CHECKING:
     from gripper.optimize import Optimum
@@ -21,12 +21,7 @@ def optimize(
     design_file: Annotated[
         Path, typer.Argument(metavar="DESIGN.toml", help="A scene with an [optimize] table.", show_default=False)
     ],
-    output: Annotated[
-        Path | None,
-        typer.Option(
-            "-o", "--output", metavar="DIR", help="Folder to write to; out/ and the design's name, if not given."
-        ),
-    ] = None,
+    output: Output = None,
 ) -> None:
     """Search the free numbers of a design for its objective, within its [limits]; write best.toml and the history.
 
@@ -36,10 +31,8 @@ def optimize(
     Exit status: 0; 1 when no design that keeps all limits was found; 2 when the design is bad; 130 when interrupted.
     """
     folder = output or Path("out", design_file.stem)
-    try:
+    with interruptible(f"{folder} holds nothing of this search"):
         _optimize(design_file, folder)
-    except KeyboardInterrupt:
-        stop(f"interrupted: {folder} holds nothing of this search", INTERRUPTED)
 
 
 def _optimize(design_file: Path, folder: Path) -> None:

@@ -7,7 +7,18 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from gripper.cli.console import BAD_INPUT, FAILED_POSE, INTERRUPTED, Progress, output_folder, progress, stop, writing
+from gripper.cli.console import (
+    BAD_INPUT,
+    FAILED_POSE,
+    INTERRUPTED,
+    Output,
+    Progress,
+    interruptible,
+    output_folder,
+    progress,
+    stop,
+    writing,
+)
 
 if TYPE_CHECKING:
     from gripper.result import Result
@@ -19,12 +30,7 @@ def run(
         Path,
         typer.Argument(metavar="SCENE.toml", help="The scene; or a result.json, for its scene.", show_default=False),
     ],
-    output: Annotated[
-        Path | None,
-        typer.Option(
-            "-o", "--output", metavar="DIR", help="Folder to write to; out/ and the scene's name, if not given."
-        ),
-    ] = None,
+    output: Output = None,
 ) -> None:
     """Solve every pose of a scene; write result.json, curve.csv and snapshots.png.
 
@@ -32,10 +38,8 @@ def run(
     folder cannot be written (nothing is written), 130 when interrupted (the poses done until then are written).
     """
     folder = output or Path("out", scene_file.stem)
-    try:
+    with interruptible(f"{folder} does not hold the whole run"):
         _run(scene_file, folder)
-    except KeyboardInterrupt:
-        stop(f"interrupted: {folder} does not hold the whole run", INTERRUPTED)
 
 
 def _run(scene_file: Path, folder: Path) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from gripper.cli.console import BAD_INPUT, FAILED_POSE, INTERRUPTED, progress, stop, writing
+from gripper.cli.console import BAD_INPUT, FAILED_POSE, Output, interruptible, progress, stop, writing
 
 if TYPE_CHECKING:
     from gripper.sweep import Plan, Sweep
@@ -27,10 +27,7 @@ def sweep(
             show_default=False,
         ),
     ],
-    output: Annotated[
-        Path | None,
-        typer.Option("-o", "--output", metavar="DIR", help="Folder of the table; out/ and a name by default."),
-    ] = None,
+    output: Output = None,
     plot: Annotated[
         list[str] | None,
         typer.Option(
@@ -50,10 +47,8 @@ def sweep(
     for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(name, "1")  # a process each: a BLAS library's waiting threads burn CPU time
     folder = output or Path("out", f"{scene_file.stem}_sweep")
-    try:
+    with interruptible(f"give the same command again to go on with {folder}"):
         _sweep(scene_file, over, folder, plot)
-    except KeyboardInterrupt:
-        stop(f"interrupted: give the same command again to go on with {folder}", INTERRUPTED)
 
 
 def _sweep(scene_file: Path, over: list[str], folder: Path, plot: list[str] | None) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from gripper.cli.console import BAD_INPUT, FAILED_POSE, INTERRUPTED, output_folder, progress, stop, writing
+from gripper.cli.console import BAD_INPUT, FAILED_POSE, Output, interruptible, output_folder, progress, stop, writing
 
 if TYPE_CHECKING:
     from gripper.bands import Band, Sampled
@@ -18,10 +18,7 @@ TABLE = "tolerance.csv"
 
 def tolerance(
     scene_file: Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The scene.", show_default=False)],
-    output: Annotated[
-        Path | None,
-        typer.Option("-o", "--output", metavar="DIR", help="Folder to write to; out/ and a name by default."),
-    ] = None,
+    output: Output = None,
     samples: Annotated[
         int, typer.Option(metavar="N", help="Also follow N variants drawn from the bands, N a power of 2.")
     ] = 0,
@@ -35,10 +32,8 @@ def tolerance(
     """
     for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(name, "1")
-    try:
+    with interruptible("nothing was written"):
         _tolerance(scene_file, output or Path("out", f"{scene_file.stem}_tolerance"), samples)
-    except KeyboardInterrupt:
-        stop("interrupted: nothing was written", INTERRUPTED)
 
 
 def _tolerance(scene_file: Path, folder: Path, samples: int) -> None:

@@ -43,15 +43,25 @@ class Evaluator:
         Of the free numbers, by key, in SI units.
     goal, limits
         What is wanted.
+    exact
+        Whether its curves have gradients.
     """
 
-    def __init__(self, scene: Scene, bounds: Mapping[str, tuple[float, float]], goal: Goal, limits: Limits) -> None:
+    def __init__(
+        self, scene: Scene, bounds: Mapping[str, tuple[float, float]], goal: Goal, limits: Limits, exact: bool = True
+    ) -> None:
         self.scene, self.goal, self.limits = replace(scene, limits=limits, tolerances=None), goal, limits
         self.keys = tuple(bounds)
+        self.by = self.keys if exact else ()
         self.low, self.high = np.array(list(bounds.values()), dtype=float).T
         self.history: list[Trial] = []
         self.start = 0
         self._known: dict[bytes, Design] = {}
+
+    @property
+    def span(self) -> Array:
+        """What gradients by free numbers are multiplied by, to be by x."""
+        return (self.high - self.low)[: len(self.by)]
 
     def values(self, x: Array) -> dict[str, float]:
         """Numbers of a design x in [0, 1]."""
@@ -64,7 +74,8 @@ class Evaluator:
         if key not in self._known:
             found = self._solved(self.values(x))
             self.history.append(found.trial)
-            kept = list(self._known.items())[1 - _RECENT :]  # their results are large
+            recent = _RECENT + len(self.keys) - len(self.by)  # their results are large
+            kept = list(self._known.items())[1 - recent :]
             self._known = dict([*kept, (key, found)])
         return self._known[key]
 
@@ -80,7 +91,7 @@ class Evaluator:
             return self._without(values, reason or f"the result has no {self.goal.name}")
         from gripper.sensitivity.curves import curves  # heavy, and only wanted once something is sought
 
-        found = curves(result, self.keys)
+        found = curves(result, self.by)
         trial = Trial(start=self.start, values=values, objective=objective, violation=over)
         return Design(found, trial)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from scipy.optimize import minimize as scipy_minimize
@@ -26,6 +26,7 @@ _PRICE = 100.0  # of the slack: more than a limit's multiplier, objective and li
 _UNSOLVED = -10.0  # what every constraint is where a design has no answer: a line search turns back
 _SLACK = 1e-4  # relative: a limit violated by less is kept, to the optimiser's tolerance
 _INSIDE = 2e-4  # relative: how much inside the limits the optimiser is asked to stay
+_STEP = 1e-6  # of a free number's range, for differences: peaks are located to 1e-9
 Progress = Callable[[int, float | None], None]
 
 
@@ -40,6 +41,7 @@ def optimize(
     starts: int = 3,
     seed: int = 0,
     iterations: int = 40,
+    gradients: Literal["exact", "differences"] = "exact",
     progress: Progress | None = None,
 ) -> Optimum:
     """Find the numbers with which a scene does best.
@@ -61,6 +63,8 @@ def optimize(
         Of that hypercube.
     iterations
         Of SLSQP, at most, from each start.
+    gradients
+        "differences" takes those of SciPy instead of the exact ones: to compare with, it is no use otherwise.
     progress
         Called after each design with their number so far and the best objective.
 
@@ -76,7 +80,7 @@ def optimize(
     bounds = {key: _bounds(scene, key, pair) for key, pair in free.items()}
     if not bounds:
         raise ValueError("free must hold at least one number; got none")
-    evaluator = Evaluator(scene, bounds, goal, wanted)
+    evaluator = Evaluator(scene, bounds, goal, wanted, exact=gradients == "exact")
     messages = []
     for start, x in enumerate(_starts(evaluator, scene, starts, seed)):
         evaluator.start = start
@@ -178,7 +182,7 @@ class _Program:
 
     def _objective(self, curves: Curves) -> _Rows:
         """Levels against the curve: t >= f for all poses and the located peak; t_low <= f."""
-        span = self.evaluator.high - self.evaluator.low
+        span = self.evaluator.span
         if self.goal.sense == "flatten":
             values, slopes = curves.along(self.goal.quantity)
             mean = values.mean()
@@ -204,7 +208,7 @@ class _Program:
         return np.append(values, value), np.concatenate([slopes, slope[None]])
 
     def _limit(self, name: str, bound: float, curves: Curves) -> _Rows:
-        size, span = abs(bound) or 1.0, self.evaluator.high - self.evaluator.low
+        size, span = abs(bound) or 1.0, self.evaluator.span
         sign = -1.0 if name.startswith("max_") else 1.0
         values, slopes = self._peaks(curves, name[4:], sign < 0)
         rows = sign * (values - bound) / size - _INSIDE
@@ -226,11 +230,9 @@ def _descend(evaluator: Evaluator, x: Array, iterations: int, progress: Progress
         if progress is not None:
             progress(len(evaluator.history), _best_trial(evaluator)[1])
 
-    constraint: dict[str, Any] = {
-        "type": "ineq",
-        "fun": lambda y: program.rows(y).values,
-        "jac": lambda y: np.hstack([(found := program.rows(y)).by_x, found.by_t]),
-    }
+    constraint: dict[str, Any] = {"type": "ineq", "fun": lambda y: program.rows(y).values}
+    if evaluator.by:
+        constraint["jac"] = lambda y: np.hstack([(found := program.rows(y)).by_x, found.by_t])
     answer = scipy_minimize(
         lambda y: (float(weights @ y), weights),
         program.start(x),
@@ -239,7 +241,7 @@ def _descend(evaluator: Evaluator, x: Array, iterations: int, progress: Progress
         bounds=[(0.0, 1.0)] * n + [(None, None)] * levels + [(0.0, None)],
         constraints=[constraint],
         callback=told,
-        options={"ftol": 1e-5, "maxiter": iterations},
+        options={"ftol": 1e-5, "maxiter": iterations, "eps": _STEP},
     )
     return f"start {evaluator.start}: {answer.message.lower()} after {answer.nit} iterations"
 

@@ -83,7 +83,7 @@ class Curves:
             [sign * rate(pose, by.poses[i]) for by in self.found]
             for i, (sign, pose) in enumerate(zip(signs, poses, strict=True))
         ]
-        return values, np.array(slopes)
+        return values, np.array(slopes).reshape(len(values), len(self.found))
 
     def peak(self, quantity: str) -> tuple[float, Array]:
         """A quantity of the summary and its gradient (n,): where that of the peak is not known, the nearest pose's.
@@ -110,5 +110,5 @@ class Curves:
 
 def curves(result: Result, keys: Sequence[str]) -> Curves:
     """The curves of a result, by some numbers of its scene."""
-    found = sensitivities(result, keys)
+    found = sensitivities(result, keys) if keys else {}
     return Curves(result, tuple(found[key] for key in keys))

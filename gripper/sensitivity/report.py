@@ -11,7 +11,7 @@ import numpy as np
 from gripper.kept import Kept
 from gripper.parameters import number, numbers
 from gripper.pose import placed
-from gripper.pose_result import PoseResult, Record, Vector, jsonable
+from gripper.pose_result import PoseNumbers, PoseResult, Record, Vector, jsonable
 from gripper.scene import Scene
 from gripper.sensitivity.limits import refusal, side
 from gripper.sensitivity.memory import UnknownPastError
@@ -26,35 +26,21 @@ if TYPE_CHECKING:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class PoseSensitivity(Record):
+class PoseSensitivity(PoseNumbers):
     """Derivatives of a pose's numbers by one number of the scene: SI units, world frame unless named otherwise.
 
     Parameters
     ----------
-    parameter
-        The motion's parameter; None in a scene without motion.
     kind
         "exact"; "one-sided" where the contacts or their holds change at this very pose: on the other side of the
         change derivatives differ; "none" where there is no derivative, and all are None.
     reason
         Why it is one-sided or none.
-    force_on_object, force_on_object_finger_frame, moment_on_object, motion_force, clamp_moment, energy, tip, \
-tip_rotation, max_strain
-        Derivatives of what :class:`gripper.pose_result.PoseResult` calls so.
+
+    The numbers are derivatives of what :class:`gripper.pose_result.PoseNumbers` calls so.
     """
 
-    parameter: float | None
     kind: Literal["exact", "one-sided", "none"] = "exact"
-    reason: str | None = None
-    force_on_object: Vector | None = None
-    force_on_object_finger_frame: Vector | None = None
-    moment_on_object: float | None = None
-    motion_force: float | None = None
-    clamp_moment: float | None = None
-    energy: float | None = None
-    tip: Vector | None = None
-    tip_rotation: float | None = None
-    max_strain: float | None = None
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
