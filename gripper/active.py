@@ -12,7 +12,6 @@ from gripper.candidates import active_sets, violated
 from gripper.certificate import Survey, survey
 from gripper.contact import linearise
 from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, anchored, settle
-from gripper.grip import dressed, grouped
 from gripper.obstacle import Obstacle
 from gripper.patches import settle_contacts
 from gripper.verified import PULL, Verified, verify
@@ -29,7 +28,7 @@ def held(setting: Setting, obstacle: Obstacle, start: State, guess: State) -> St
     """A guess whose contacts hold as those of the start that they continue; they stick from where that had them."""
     if setting.friction is None or not guess.sites:
         return guess
-    sites = dressed(setting.friction, start.sites, guess.sites)
+    sites = setting.friction.dressed(start.sites, guess.sites)
     before = replace(start, sites=sites, multipliers=guess.multipliers)
     lin = linearise(start.beam, start.z, setting.outline, obstacle, sites, guess.multipliers)
     return replace(guess, sites=anchored(before, lin).sites)
@@ -71,17 +70,7 @@ def find(setting: Setting, obstacle: Obstacle, start: State, order: int, known: 
 
 def _loaded(setting: Setting, settled: Equilibrium, order: int) -> Equilibrium:
     """The equilibrium without the contacts that turn out to carry nothing."""
-    state, first, kept = settled.state, 0, []
-    largest = float(np.max(np.abs(state.multipliers), initial=0.0))
-    keep = np.ones(len(state.multipliers), dtype=bool)
-    for site in state.sites:
-        load = slice(first, first + site.multipliers)
-        first += site.multipliers
-        if np.max(np.abs(state.multipliers[load])) < PULL * largest:
-            keep[load] = False
-        else:
-            kept.append(site)
-    if len(kept) == len(state.sites):
-        return settled
-    sites = grouped(setting.outline, tuple(kept))  # one that others followed may be gone
-    return settle(setting, settled.obstacle, State(state.beam, state.z, sites, state.multipliers[keep]), order)
+    state = settled.state
+    least = PULL * float(np.max(np.abs(state.multipliers), initial=0.0))
+    keep = [float(np.max(np.abs(load))) >= least for load in state.loads]
+    return settled if all(keep) else settle(setting, settled.obstacle, state.keeping(keep), order)

@@ -9,7 +9,7 @@ distances of the object's corners to the faces. Unknowns and gaps reach SciPy sc
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -19,8 +19,6 @@ from gripper.beam import BeamTheory
 from gripper.certificate import Survey, survey
 from gripper.contact import linearise
 from gripper.equilibrium import Setting, State
-from gripper.friction import Friction
-from gripper.grip import Law
 from gripper.kinematics import Kinematics
 from gripper.obstacle import Obstacle
 from gripper.outline import LOWER, UPPER, Outline, dot
@@ -29,6 +27,9 @@ from gripper.result import LeftOut
 from gripper.scene import Scene
 from gripper.sections import sections
 from gripper.site import Site, own_segment
+
+if TYPE_CHECKING:
+    from gripper.law import Law
 
 _SAMPLES = 9
 _FEET = 6  # Newton steps to the foot of a normal
@@ -73,15 +74,11 @@ def setting(scene: Scene, theory: BeamTheory | None = None) -> Setting:
 def _law(scene: Scene, outline: Outline, length: float) -> Law | None:
     """Friction in equilibrium, where there is any: mu = 0 leaves all of it out."""
     friction = scene.friction
-    if friction is None or friction.absent or friction.model == "published":
+    if friction is None or friction.absent or friction.published:
         return None
-    return law(friction, outline, length)
+    from gripper.law import Law
 
-
-def law(friction: Friction, outline: Outline, length: float) -> Law:
-    """Coulomb's law on a finger of this outline and length (m)."""
-    sense = {"tipward": 1, "baseward": -1, None: 0}[friction.sense]
-    return Law(friction.finger, friction.on_jaw(length), outline, length, sense)
+    return Law.of(friction, outline, length)
 
 
 def first_order(tolerance: float) -> int:

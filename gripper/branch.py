@@ -10,6 +10,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from gripper.certificate import survey
+from gripper.contact import linearise
 from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, predicted, settle
 from gripper.features import Feature, features
 from gripper.obstacle import Frame
@@ -19,6 +20,9 @@ _ROUND_OFF = 1e-13
 _HALVINGS = 4  # of a way along a branch
 _DEPARTS = 0.5  # of a step: what it may differ from its prediction
 _APART = 1e-4  # of L: shapes that differ by more are of different branches
+_SMALL = 1e-5  # of L: the step along the tangent
+STILL = 1e-12
+"""Of L: object and clamp do not move against each other."""
 SHARP = 1e-10  # of the step: where an event is located to
 
 
@@ -69,6 +73,31 @@ class Branch:
             return self._reached(parameter, halvings - 1)
         self.known.append(Along(parameter, found))
         return found
+
+
+def speed(equilibrium: Equilibrium) -> float:
+    """How fast object and clamp move against each other, by L per unit of the parameter."""
+    frame = equilibrium.obstacle.frame
+    return abs(frame.velocity) + abs(frame.spin)
+
+
+def nudged(setting: Setting, path: Path, at: Along, heading: float) -> tuple[Equilibrium, float]:
+    """The state a little further along the tangent, and how far; 0 where object and clamp do not move.
+
+    Raises
+    ------
+    NoEquilibriumError
+        At a limit point.
+    """
+    equilibrium = at.equilibrium
+    fast = speed(equilibrium)
+    if fast < STILL:
+        return equilibrium, 0.0
+    small = heading * _SMALL / fast
+    state = predicted(setting, equilibrium, small)
+    obstacle = setting.obstacle(path.frame(at.parameter + small))
+    lin = linearise(state.beam, state.z, setting.outline, obstacle, state.sites, state.multipliers)
+    return Equilibrium(state, obstacle, lin, 0), small
 
 
 def pointed(setting: Setting, equilibrium: Equilibrium, order: int) -> Equilibrium:

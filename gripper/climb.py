@@ -12,9 +12,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from gripper.arrays import Array
-from gripper.branch import Along, Branch, Path, pointed
+from gripper.balance import cubic
+from gripper.branch import Along, Branch, Path, nudged, pointed
 from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting
-from gripper.work import cubic, nudged
 
 MARKS = np.linspace(0.0, 1.0, 129)
 _CLIMBS = 8

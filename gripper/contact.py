@@ -54,7 +54,7 @@ def linearise(
     if sites[0].grip is not None:
         from gripper.rubbing import rub  # without friction it is not even read
 
-        rub(system, outline, u)
+        rub(system, u)
     hessian = second_derivative(axis, stations, system.pull) + system.extra
     hessian += system.stiffened()
     return system.linearisation(hessian, queries)

@@ -13,9 +13,11 @@ cut anew until the places that come out are those that went in.
 from __future__ import annotations
 
 import functools
-from collections.abc import Iterator
+import itertools
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -24,12 +26,14 @@ from gripper.axis import Axis
 from gripper.beam import Beam, BeamTheory
 from gripper.contact import linearise
 from gripper.contact_rows import Linearisation
-from gripper.grip import Law, leader
 from gripper.objects import Object
 from gripper.obstacle import Frame, Obstacle
 from gripper.outline import Outline
 from gripper.sections import Sections
 from gripper.site import Site
+
+if TYPE_CHECKING:
+    from gripper.law import Law
 
 _ITERATIONS = 20
 _CONVERGED = 1e-6  # last step, relative: the next one, of second order, would be round-off
@@ -118,7 +122,21 @@ class State:
             last = first + site.unknowns
             sites.append(site.moved(site.coordinates + dplaces[first:last]))
             first = last
-        return State(self.beam, self.z + dz, _shared(tuple(sites)), self.multipliers + dmultipliers)
+        grip = sites[0].grip if sites else None
+        moved = grip.law.shared(tuple(sites)) if grip else tuple(sites)
+        return State(self.beam, self.z + dz, moved, self.multipliers + dmultipliers)
+
+    @property
+    def loads(self) -> list[Array]:
+        """The multipliers of each contact."""
+        return np.split(self.multipliers, np.cumsum([site.multipliers for site in self.sites], dtype=int))[:-1]
+
+    def keeping(self, keep: Sequence[bool]) -> State:
+        """The state with some of its contacts only."""
+        sites = tuple(itertools.compress(self.sites, keep))
+        if sites and sites[0].grip:
+            sites = sites[0].grip.law.grouped(sites)  # one that others followed may be gone
+        return replace(self, sites=sites, multipliers=np.concatenate(list(itertools.compress(self.loads, keep))))
 
     def on(self, beam: Beam) -> State:
         """The strains nearest to these on other segments."""
@@ -167,16 +185,6 @@ def anchored(state: State, lin: Linearisation) -> State:
         for site, anchor in zip(state.sites, lin.rubbing.anchors, strict=True)
     ]
     return replace(state, sites=tuple(sites))
-
-
-def _shared(sites: tuple[Site, ...]) -> tuple[Site, ...]:
-    """Contacts that follow another in stick take its ratio over."""
-    out = list(sites)
-    for i, site in enumerate(sites):
-        if site.grip is not None and site.grip.follows and site.grip.hold == "stick":
-            first = sites[leader(site.grip.law.outline, sites, i)].grip
-            out[i] = replace(site, grip=replace(site.grip, ratio=first.ratio if first else 0.0))
-    return tuple(out)
 
 
 class NoEquilibriumError(Exception):

@@ -37,7 +37,7 @@ def changes(setting: Setting, path: Path, old: Along, new: Along, order: int) ->
         Where the branches do not lead to the event: the step is too long, or leads to another branch.
     """
     before, outline = old.equilibrium.state.sites, setting.outline
-    gone, come = gone_and_come(before, new.equilibrium.state.sites)
+    gone, come = gone_and_come(before, new.equilibrium.state.sites, _moves(old, new))
     out: list[Change] = []
     for lost in list(gone):
         won = next((f for f in come if adjacent(setting, lost, f)), None)
@@ -56,6 +56,19 @@ def changes(setting: Setting, path: Path, old: Along, new: Along, order: int) ->
     for lost in gone:
         where = released(setting, path, old, new, lost, order)
         out.append(Change(where, "release", feature_name(outline, lost)))
+    return out
+
+
+def _moves(old: Along, new: Along) -> list[float]:
+    """How far each contact should move along its piece by the tangent; a limit point tells nothing."""
+    try:
+        rates, first, out = old.equilibrium.tangent()[2], 0, []
+    except np.linalg.LinAlgError:
+        return []
+    for site in old.equilibrium.state.sites:
+        own = rates[first : first + site.unknown_places]
+        out.append(float(own.mean() if own.size else 0.0) * (new.parameter - old.parameter))
+        first += site.unknowns
     return out
 
 

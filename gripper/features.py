@@ -16,6 +16,7 @@ Feature = tuple[Literal["flank", "corner", "vertex"], int, int, int]
 """Its kind, the piece of the outline, the object's corner (or -1), and which one of these along the piece."""
 
 _CONFORMING = 0.06  # of L: nodes nearer to one another than this are one contact
+_ANOTHER = 0.05  # of L: a contact that is so much further than expected is another one
 _KINDS: dict[str, Literal["flank", "corner", "vertex"]] = {"corner": "corner", "vertex": "vertex"}
 
 
@@ -42,30 +43,44 @@ def features(sites: tuple[Site, ...]) -> dict[Feature, int]:
     return found
 
 
-def gone_and_come(old: tuple[Site, ...], new: tuple[Site, ...]) -> tuple[list[Feature], list[Feature]]:
+def gone_and_come(
+    old: tuple[Site, ...], new: tuple[Site, ...], moves: Sequence[float] = ()
+) -> tuple[list[Feature], list[Feature]]:
     """What touches in the old state alone, and in the new one alone.
 
     Of several contacts on one piece those go on that are nearest to each other, in their order along it.
+
+    Parameters
+    ----------
+    old, new
+        The contacts of both.
+    moves
+        How far each old contact is expected to move along its piece, where that is known: one that is much further
+        away is another one, at another bump of the object.
     """
     before, after = features(old), features(new)
     gone, come = [], []
     for kind in dict.fromkeys(feature[:3] for feature in (*before, *after)):
         olds = [feature for feature in before if feature[:3] == kind]
         news = [feature for feature in after if feature[:3] == kind]
-        places = [old[before[feature]].middle for feature in olds], [new[after[feature]].middle for feature in news]
-        kept_old, kept_new = _nearest(*places)
-        gone += [feature for k, feature in enumerate(olds) if k not in kept_old]
-        come += [feature for k, feature in enumerate(news) if k not in kept_new]
+        ahead = [old[before[f]].middle + (moves[before[f]] if len(moves) else 0.0) for f in olds]
+        reached = [new[after[f]].middle for f in news]
+        pairs = _nearest(ahead, reached)
+        if len(moves):
+            rolled = [2 * abs(moves[before[f]]) + _ANOTHER for f in olds]
+            pairs = [(i, j) for i, j in pairs if abs(ahead[i] - reached[j]) < rolled[i]]
+        gone += [feature for k, feature in enumerate(olds) if k not in {i for i, _ in pairs}]
+        come += [feature for k, feature in enumerate(news) if k not in {j for _, j in pairs}]
     return gone, come
 
 
-def _nearest(one: Sequence[float], other: Sequence[float]) -> tuple[tuple[int, ...], tuple[int, ...]]:
-    """Which of the places in both go on, as many as the shorter one has."""
+def _nearest(one: Sequence[float], other: Sequence[float]) -> list[tuple[int, int]]:
+    """Which of the places in both belong together, as many as the shorter one has."""
     if len(one) > len(other):
-        return _nearest(other, one)[::-1]
+        return [(i, j) for j, i in _nearest(other, one)]
     choices = itertools.combinations(range(len(other)), len(one))
     best = min(choices, key=lambda chosen: float(np.abs(np.subtract([other[k] for k in chosen], one)).sum()))
-    return tuple(range(len(one))), best
+    return list(enumerate(best))
 
 
 def feature_name(outline: Outline, feature: Feature) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
 from collections.abc import Mapping
 from typing import Literal, get_args
@@ -88,11 +89,16 @@ class Friction:
         values = [mu.subs({symbol: v for symbol in symbols}) for v in np.asarray(s).tolist()]
         return np.array([float(value) if value.is_real else math.nan for value in values])
 
-    @property
+    @functools.cached_property
     def absent(self) -> bool:
         """Whether the coefficient is 0 everywhere."""
         jaw = self.coefficient.jaw if isinstance(self.coefficient, Coefficients) else 0
         return sympy.sympify(self.finger).is_zero is True and jaw == 0
+
+    @functools.cached_property
+    def published(self) -> bool:
+        """Whether the frictionless shape is taken, and its force split afterwards, as the paper does."""
+        return self.model == "published" and not self.absent
 
     def check(self, length: float, *, moving: bool) -> None:
         """Check what depends on the scene: mu over the finger's length (m), and whether a sense is needed.

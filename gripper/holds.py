@@ -12,7 +12,7 @@ import numpy as np
 
 from gripper.arrays import Array
 from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, settle
-from gripper.grip import Grip, leader
+from gripper.grip import Grip
 from gripper.site import Site
 
 _STILL = 1e-12  # relative: slip this slow is none
@@ -27,7 +27,7 @@ def leaders(equilibrium: Equilibrium) -> list[int]:
 def leads(sites: tuple[Site, ...], i: int) -> bool:
     """Whether a contact has its own ratio."""
     grip = sites[i].grip
-    return grip is not None and leader(grip.law.outline, sites, i) == i
+    return grip is not None and grip.law.leader(sites, i) == i
 
 
 def grip_of(equilibrium: Equilibrium, i: int) -> Grip:
@@ -116,7 +116,7 @@ def regripped(setting: Setting, equilibrium: Equilibrium, i: int, hold: int, ord
         raise ValueError("contacts must have friction; got none")
     for j, site in enumerate(sites):
         grip = grip_of(equilibrium, j)
-        if leader(grip.law.outline, equilibrium.state.sites, j) != i:
+        if grip.law.leader(equilibrium.state.sites, j) != i:
             continue
         anchor = replace(lin.rubbing.anchors[j], origin=(equilibrium, j))
         stuck = grip.sticking(lin.rubbing.ratios[i], anchor)

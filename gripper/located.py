@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from gripper.assemble import law
 from gripper.certificate import survey
 from gripper.clearance import clearance
 from gripper.climb import Measure
@@ -17,13 +16,11 @@ from gripper.contact_forces import drive
 from gripper.equilibrium import Equilibrium, Setting, State, settle
 from gripper.extremes import Extreme, Extremes
 from gripper.kept import Kept
-from gripper.locking import nearness
 from gripper.loop import Loop
 from gripper.outline import dot
 from gripper.pose_result import PoseResult
 from gripper.profile import largest_strain
 from gripper.scene import Scene
-from gripper.splitting import is_published, split_forces
 from gripper.verified import Verified
 from gripper.watch import Watch
 
@@ -44,6 +41,8 @@ def measures(scene: Scene, fixed: Setting) -> Mapping[str, Measure]:
         "strain": Measure(lambda equilibrium, heading: largest_strain(fixed, equilibrium)[0]),
     }
     if fixed.friction is not None:
+        from gripper.locking import nearness
+
         return found | {"locking": Measure(lambda equilibrium, heading: nearness(fixed, equilibrium, heading))}
     return found | {
         "insertion_force": Measure(lambda equilibrium, heading: heading * power(equilibrium), leg=0),
@@ -54,9 +53,12 @@ def measures(scene: Scene, fixed: Setting) -> Mapping[str, Measure]:
 
 def _published(scene: Scene, fixed: Setting) -> tuple[Number, Number] | None:
     """Force and power with the published friction; None where it is not asked for. Poses without an answer have 0."""
-    if scene.friction is None or not is_published(scene):
+    if scene.friction is None or not scene.friction.published:
         return None
-    rule = law(scene.friction, fixed.outline, fixed.sections.length)
+    from gripper.law import Law
+    from gripper.splitting import split_forces
+
+    rule = Law.of(scene.friction, fixed.outline, fixed.sections.length)
 
     def forces(equilibrium: Equilibrium) -> np.ndarray:
         found = split_forces(rule, equilibrium) if len(equilibrium.state.sites) == 1 else None
@@ -155,10 +157,14 @@ class Course:
 
     def _reversible(self) -> bool:
         """Whether the way back is known to have the same curve."""
-        frictionless = self.fixed.friction is None and not is_published(self.scene)
+        frictionless = self.fixed.friction is None and not self._published
         booked = self.watch.balance
         snapped = self.buckled or booked.loss > _NO_LOSS * booked.put_in
         return frictionless and not snapped and all(pose.status != "failed" for pose in self.poses)
+
+    @property
+    def _published(self) -> bool:
+        return self.scene.friction is not None and self.scene.friction.published
 
     def _looped(self, leg: int) -> Extreme:
         """The same from the loop of a motion with friction."""
@@ -216,7 +222,7 @@ class Course:
         """Work put in, got back and lost, in J: none with the published friction, whose shape does no such work."""
         if self.loop:
             return self.loop.work_in, self.loop.work_out, self.loop.dissipation
-        if is_published(self.scene):
+        if self._published:
             return None, None, None
         unit, booked = self.fixed.sections.energy_scale, self.watch.balance
         return booked.put_in * unit, booked.given_back * unit, booked.loss * unit

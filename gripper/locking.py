@@ -11,13 +11,13 @@ import math
 from dataclasses import replace
 
 import numpy as np
-import scipy.linalg
 
 from gripper.arrays import Array
 from gripper.contact import linearise
 from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, settle
-from gripper.grip import Grip, dressed, leader
+from gripper.grip import Grip
 from gripper.holds import coefficient, grip_of, leaders, leads, slip_rates
+from gripper.locked import LockedError
 from gripper.site import Site
 from gripper.verified import objection, singularity
 
@@ -26,23 +26,6 @@ _FINITE = 1e4
 _LIMITED = 1e-4
 _ALMOST = 1.05
 _TELLING = 1e-3  # a ratio from which the part of friction is told
-
-
-class LockedError(Exception):
-    """The motion cannot go on: friction holds the finger for any force.
-
-    Parameters
-    ----------
-    limit
-        The coefficient of friction from which on it does.
-    mu
-        The coefficient that it has.
-    """
-
-    def __init__(self, limit: float, mu: float) -> None:
-        self.limit, self.mu = limit, mu
-        holds = "holds the finger for any force" if limit <= mu else "all but holds the finger"
-        super().__init__(f"friction {holds}: its coefficient is {mu:.4g}, the limiting one {limit:.4g}")
 
 
 def free_slip(setting: Setting, equilibrium: Equilibrium, i: int) -> float:
@@ -56,9 +39,11 @@ def limiting_ratio(setting: Setting, equilibrium: Equilibrium, i: int, sign: flo
     without = _opened(setting, equilibrium, i, 0.0).matrix()
     matrix, ratio = _with_ratio(setting, equilibrium, i)
     friction = (matrix - without) / ratio  # the matrix is linear in the ratio
-    above, below = scipy.linalg.eigvals(without, -friction, homogeneous_eigvals=True)
-    finite = np.abs(below) * _FINITE > np.abs(above)
-    ratios: Array = above[finite] / below[finite]
+    try:
+        inverse: Array = np.linalg.eigvals(np.linalg.solve(without, -friction))
+    except np.linalg.LinAlgError:
+        return 0.0  # a limit point even without friction
+    ratios = 1 / inverse[np.abs(inverse) * _FINITE > 1]
     real = ratios.real[np.abs(ratios.imag) < _REAL * np.abs(ratios)]
     return float(np.min(np.abs(real[real * sign > 0]), initial=math.inf))
 
@@ -77,7 +62,8 @@ def nearness(setting: Setting, equilibrium: Equilibrium, heading: float) -> floa
     for i in leaders(equilibrium):
         grip = grip_of(equilibrium, i)
         side = -grip.sense if grip.sense else -heading * np.sign(free_slip(setting, equilibrium, i))
-        nearest = max(nearest, coefficient(equilibrium, i) / limiting_ratio(setting, equilibrium, i, side))
+        mu = coefficient(equilibrium, i)
+        nearest = max(nearest, mu / (limiting_ratio(setting, equilibrium, i, side) or mu))
     return nearest
 
 
@@ -86,11 +72,28 @@ def _opened(setting: Setting, equilibrium: Equilibrium, i: int, ratio: float) ->
     sites = list(equilibrium.state.sites)
     for j, site in enumerate(sites):
         grip = site.grip
-        if grip is not None and leader(grip.law.outline, equilibrium.state.sites, j) == i:
+        if grip is not None and grip.law.leader(equilibrium.state.sites, j) == i:
             sites[j] = replace(site, grip=replace(grip, hold="open", sense=0, ratio=ratio, anchor=None))
     state = replace(equilibrium.state, sites=tuple(sites))
     lin = linearise(state.beam, state.z, setting.outline, equilibrium.obstacle, state.sites, state.multipliers)
     return replace(equilibrium, state=state, linear=lin)
+
+
+def check_locked(setting: Setting, equilibrium: Equilibrium, heading: float, factor: float = 1.0) -> None:
+    """Whether a contact that sticks could not slip on with any force, the coefficient being that much larger.
+
+    Raises
+    ------
+    LockedError
+        Where friction holds the finger.
+    """
+    for i in leaders(equilibrium):
+        if grip_of(equilibrium, i).hold == "slip":
+            continue
+        side = -heading * np.sign(free_slip(setting, equilibrium, i))
+        limit, mu = limiting_ratio(setting, equilibrium, i, side), coefficient(equilibrium, i)
+        if limit <= factor * mu:
+            raise LockedError(limit, mu)
 
 
 def grown(setting: Setting, smooth: Equilibrium, order: int) -> State | None:
@@ -108,7 +111,7 @@ def grown(setting: Setting, smooth: Equilibrium, order: int) -> State | None:
     law, sites = setting.friction, smooth.state.sites
     if law is None or not sites:
         return smooth.state
-    held = dressed(law, (), sites)
+    held = law.dressed((), sites)
     mu = max(law.at(site.piece, site.middle)[0] for site in sites)
     last, reached, step = smooth, 0.0, mu
     while reached < mu and step > _LIMITED * mu:

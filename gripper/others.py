@@ -18,7 +18,6 @@ from gripper.arrays import Array, Complex
 from gripper.certificate import survey
 from gripper.equilibrium import Equilibrium, Setting, State, settle
 from gripper.features import named
-from gripper.grip import leader
 from gripper.holds import grip_of, leaders, slip_rates
 from gripper.obstacle import Obstacle
 from gripper.verified import Verified, untouched
@@ -89,8 +88,9 @@ def compliance(equilibrium: Equilibrium, contacts: list[int]) -> Array:
     n = lin.gradients.shape[1]
     pushes = np.zeros((n + len(lin.values) + len(lin.residuals), len(contacts)))
     for j, site in enumerate(sites):
-        if site.grip is not None and leader(site.grip.law.outline, sites, j) in contacts:
-            pushes[:n, contacts.index(leader(site.grip.law.outline, sites, j))] += rubbing.pushes[j]
+        first = site.grip.law.leader(sites, j) if site.grip else -1
+        if first in contacts:
+            pushes[:n, contacts.index(first)] += rubbing.pushes[j]
     moved = np.linalg.solve(equilibrium.matrix(), pushes)[:n]
     slips: Array = rubbing.gradients[contacts] @ moved
     return slips

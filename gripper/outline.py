@@ -135,6 +135,10 @@ class Outline:
         s, P, *_ = self.offsets(np.full(2, piece), marks)
         return tuple((s + P).tolist())
 
+    def meet(self, piece: int, other: int) -> bool:
+        """Whether two pieces or corners have an end in common."""
+        return min(abs(a - b) for a in self.ends(piece) for b in self.ends(other)) < _SAME
+
     def tip_corner(self, face: int) -> int | None:
         """The number of the tip's corner at the end of a face; None where the jaw hides it."""
         side = -1 if face == LOWER else 1

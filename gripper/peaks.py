@@ -7,10 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from gripper.arrays import Array
+from gripper.balance import cubic
 from gripper.branch import Along, Branch, Path
 from gripper.contact_forces import drive
 from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting
-from gripper.work import Pace, cubic, pace
+from gripper.work import Pace, pace
 
 _MARKS = np.linspace(0.0, 1.0, 33)
 _ROUNDS = 8  # of which two or three are needed: an error of fourth order in a step that shrinks each time

@@ -11,7 +11,6 @@ from gripper.contact_forces import NO_FORCE
 from gripper.contact_rows import Linearisation
 from gripper.equilibrium import Equilibrium, Setting
 from gripper.features import conform
-from gripper.grip import tipward
 from gripper.kinematics import Placement
 from gripper.outline import Part
 from gripper.result import Contact
@@ -76,7 +75,7 @@ def _friction(setting: Setting, site: Site, rubbing: complex, normal: complex) -
     """Friction on the object towards the tip, and whether the contact sticks."""
     if site.grip is None:
         return {}
-    along = (1j * normal.conjugate() / abs(normal) * rubbing).real * tipward(site, setting.outline)
+    along = (1j * normal.conjugate() / abs(normal) * rubbing).real * site.grip.law.side(site)
     return {"tangential_force": -along * setting.sections.force_scale, "state": _STATES[site.grip.hold]}
 
 

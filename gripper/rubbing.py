@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gripper.arrays import Array, Complex
-from gripper.grip import Anchor, leader
-from gripper.outline import Outline, dot
+from gripper.grip import Anchor
+from gripper.outline import dot
 
 if TYPE_CHECKING:
     from gripper.contact_rows import System
@@ -38,7 +38,7 @@ def dissipation(rubbing: Rubbing, rates: Array) -> float:
     return -float(rubbing.power @ rates + rubbing.drag)
 
 
-def rub(system: System, outline: Outline, u: Array) -> None:
+def rub(system: System, u: Array) -> None:
     """Add friction to a system into which all contacts are written."""
     system.loads = system.gradients.copy()
     system.turns = turns = np.ones(len(u), dtype=complex)
@@ -46,7 +46,7 @@ def rub(system: System, outline: Outline, u: Array) -> None:
     for i, (site, rubbed) in enumerate(zip(system.sites, each, strict=True)):
         turns[rubbed.span] -= 1j * rubbed.ratio
         rubbed.load()
-        first = leader(outline, system.sites, i)
+        first = site.grip.law.leader(system.sites, i) if site.grip else i
         if site.grip is not None and site.grip.hold == "stick":
             rubbed.grip_on(each[first].ratio_column)
         rubbed.finish()

@@ -7,17 +7,16 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from gripper.answer import Answer, pose_result
-from gripper.assemble import first_order, law, left_out, setting
+from gripper.assemble import first_order, left_out, setting
 from gripper.certificate import survey
 from gripper.equilibrium import NoEquilibriumError, Setting, reckoned, unloaded
-from gripper.frictional import tracker_for
 from gripper.kinematics import Kinematics, Placement, Retreat
 from gripper.ladder import rungs, suffices, theory_difference
-from gripper.locking import LockedError, grown
+from gripper.locked import LockedError
 from gripper.obstacle import Frame
 from gripper.result import Model, PoseResult, Result
 from gripper.scene import Scene
-from gripper.splitting import NOTE, is_published, split
+from gripper.tracker import tracker_for
 from gripper.validity import plane_difference, warnings
 from gripper.verified import Verified, untouched
 
@@ -30,11 +29,12 @@ NOT_MODELLED = (
 HELD = "the object holds the finger"
 """How the reason of a pose begins to which no free pose leads."""
 _FURTHEST = 20.0  # of L: beyond this no retreat is tried
+PUBLISHED = "equilibrium with friction: the paper's approximation, its frictionless shape with forces split afterwards"
 
 
 def model(scene: Scene, fixed: Setting, poses: Sequence[PoseResult]) -> Model:
     """What is solved for this scene, what is not, and where these poses leave what the theory holds."""
-    own = (NOTE,) if is_published(scene) else ()
+    own = (PUBLISHED,) if scene.friction and scene.friction.published else ()
     bent = () if fixed.sections.rest is None else ("curvature of the section at rest",)
     notes = (plane_difference(fixed.sections.finger.material), *NOT_MODELLED, *bent, *own)
     beyond = warnings(fixed.sections, poses, scene.tolerance)
@@ -47,9 +47,12 @@ def numbers(scene: Scene, fixed: Setting, answer: Answer, parameter: float | Non
     if scene.theory == "auto" and pose.status != "failed":
         change = theory_difference(fixed, answer.verified.equilibrium)
         pose = replace(pose, error=replace(pose.error, next_theory=change))
-    if scene.friction is None or not is_published(scene):
+    if scene.friction is None or not scene.friction.published:
         return pose
-    return split(fixed, law(scene.friction, fixed.outline, fixed.sections.length), answer, placement, pose)
+    from gripper.law import Law
+    from gripper.splitting import split
+
+    return split(fixed, Law.of(scene.friction, fixed.outline, fixed.sections.length), answer, placement, pose)
 
 
 def approach(fixed: Setting, final: Frame, direction: tuple[float, float], order: int) -> tuple[Answer, int]:
@@ -101,6 +104,8 @@ def _approached(scene: Scene, fixed: Setting, frame: Frame) -> Answer:
     order, direction = first_order(scene.tolerance), scene.approach
     if fixed.friction is None:
         return approach(fixed, frame, direction, order)[0]
+    from gripper.locking import grown
+
     try:
         smooth, reached = approach(replace(fixed, friction=None), frame, direction, order)
         equilibrium = smooth.verified.equilibrium

@@ -15,17 +15,9 @@ from gripper.answer import Answer
 from gripper.arrays import Complex
 from gripper.contact_forces import cross
 from gripper.equilibrium import Equilibrium, Setting
-from gripper.grip import Law, tipward
 from gripper.kinematics import Placement
+from gripper.law import Law
 from gripper.result import Checks, PoseResult
-from gripper.scene import Scene
-
-NOTE = "equilibrium with friction: the paper's approximation, its frictionless shape with forces split afterwards"
-
-
-def is_published(scene: Scene) -> bool:
-    """Whether the scene asks for the paper's friction."""
-    return scene.friction is not None and not scene.friction.absent and scene.friction.model == "published"
 
 
 def split(setting: Setting, law: Law, answer: Answer, placement: Placement, pose: PoseResult) -> PoseResult:
@@ -49,13 +41,13 @@ def split(setting: Setting, law: Law, answer: Answer, placement: Placement, pose
     if found is None:
         reason = "the published friction model gives no force: the moment of friction exceeds the normal force's"
         return PoseResult.failed(pose.parameter, reason, pose.iterations, pose.seconds)
-    return _with(setting, answer, placement, pose, *found)
+    return _with(setting, law, answer, placement, pose, *found)
 
 
 def split_forces(law: Law, equilibrium: Equilibrium) -> tuple[Complex, float] | None:
     """Forces of the first contact on the finger (k,), over EI(0) / L^2, and their ratio; None where there are none."""
     site, lin = equilibrium.state.sites[0], equilibrium.linear
-    ratio = -law.tipward * tipward(site, law.outline) * law.at(site.piece, site.middle)[0]
+    ratio = -law.tipward * law.side(site) * law.at(site.piece, site.middle)[0]
     points, normals = np.concatenate(lin.points), np.concatenate(lin.forces)
     forces = normals * (1 - 1j * ratio)
     moment = cross(points, forces)
@@ -65,7 +57,7 @@ def split_forces(law: Law, equilibrium: Equilibrium) -> tuple[Complex, float] | 
 
 
 def _with(
-    setting: Setting, answer: Answer, placement: Placement, pose: PoseResult, forces: Complex, ratio: float
+    setting: Setting, law: Law, answer: Answer, placement: Placement, pose: PoseResult, forces: Complex, ratio: float
 ) -> PoseResult:
     """The pose with other contact forces on the finger (k,)."""
     scales, equilibrium = setting.sections, answer.verified.equilibrium
@@ -75,7 +67,7 @@ def _with(
     velocities = equilibrium.obstacle.velocities(points)
     power = float(np.sum((forces.conj() * velocities).real)) * scales.energy_scale
     normal_force = abs(force) / abs(1 - 1j * ratio)
-    side = tipward(equilibrium.state.sites[0], setting.outline)
+    side = law.side(equilibrium.state.sites[0])
     contact = dataclasses.replace(
         pose.contacts[0], normal_force=normal_force, tangential_force=-ratio * normal_force * side, state="slip"
     )

@@ -9,21 +9,18 @@ from dataclasses import replace
 from gripper.assemble import first_order, setting
 from gripper.beam import BeamTheory
 from gripper.branch import Along
-from gripper.equilibrium import NoEquilibriumError, Setting, reckoned
+from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, reckoned
 from gripper.events import STRUT
 from gripper.extremes import Extreme, Extremes
-from gripper.frictional import FrictionTracker, tracker_for
 from gripper.kinematics import Kinematics
 from gripper.ladder import rungs, suffices
 from gripper.located import Course, measures, ways
-from gripper.locking import LockedError
+from gripper.locked import LockedError
 from gripper.loop import Loop
-from gripper.others import is_clear, other_solutions
-from gripper.peaks import Top
 from gripper.result import Checks, Event, PoseResult, Result
 from gripper.scene import Scene
 from gripper.solve import approach, model, numbers
-from gripper.tracker import Tracker
+from gripper.tracker import Tracker, tracker_for
 from gripper.watch import Watch
 
 INTERRUPTED = "interrupted"
@@ -116,7 +113,6 @@ class _Follower:
         self.order = first_order(scene.tolerance)
         self.watch = Watch(fixed, kinematics, measures(scene, fixed))
         self.locked: Extreme | None = None
-        self.tops: list[Top] = []
         self._ways = iter(ways(scene.motion.values if scene.motion else ()))
 
     @property
@@ -127,7 +123,7 @@ class _Follower:
 
     def result(self, poses: list[PoseResult]) -> Result:
         """The motion so far, with these poses."""
-        loop = self.loop()
+        loop, peaks = self.tracker.loop() if self.tracker else (None, [])
         return Result(
             title=self.scene.title,
             scene=self.scene,
@@ -135,7 +131,7 @@ class _Follower:
             poses=tuple(poses),
             events=tuple(self.events),
             loop=loop,
-            extremes=self.extremes(poses, loop),
+            extremes=self.extremes(poses, loop, peaks),
         )
 
     def pose(self, value: float) -> PoseResult:
@@ -152,7 +148,7 @@ class _Follower:
         except NoEquilibriumError as error:
             iterations = self.tracker.iterations if self.tracker else 0
             pose = PoseResult.failed(value, str(error), iterations)
-        pose = self._with_friction(pose)
+        pose = self.tracker.account(pose) if self.tracker else pose
         return replace(pose, seconds=time.process_time() - began)
 
     def _reached(self, value: float) -> PoseResult:
@@ -164,46 +160,17 @@ class _Follower:
         self.watch.stand(Along(value, answer.verified.equilibrium))
         return numbers(self.scene, self.fixed, answer, value, self.kinematics.placement(value))
 
-    def _with_friction(self, pose: PoseResult) -> PoseResult:
-        """Work and dissipation since the motion began, and other solutions, where there is friction."""
-        tracker = self.tracker
-        if pose.status not in ("contact", "free") or not isinstance(tracker, FrictionTracker):
-            return pose
-        unit = self.fixed.sections.energy_scale
-        others = other_solutions(self.fixed, tracker.current.equilibrium, tracker.heading)
-        checks = replace(pose.checks, other_solutions=others)
-        balance = tracker.balance
-        return replace(pose, work=balance.work * unit, dissipation=balance.loss * unit, checks=checks)
-
     def _if_free(self, value: float) -> tuple[str, ...]:
         """Where friction holds the finger: whether it might be free as well."""
+        from gripper.others import is_clear
+
         clear = is_clear(self.fixed, self.fixed.obstacle(self.kinematics.frame(value)), self.order)
         return ("free",) if clear else ()
 
-    def loop(self) -> Loop | None:
-        """The loop so far; None without friction or contact."""
-        tracker = self.tracker
-        if not isinstance(tracker, FrictionTracker) or not tracker.peaks:
-            return None
-        unit = self.fixed.sections.energy_scale
-        self.tops = [peak.located(self.fixed, self.kinematics, tracker.order) for peak in tracker.peaks[:2]]
-        there, back = self.tops[0], self.tops[1] if len(self.tops) > 1 else None
-        return Loop(
-            peak_insertion_force=there.force * unit,
-            peak_insertion_parameter=there.parameter,
-            peak_retention_force=back.force * unit if back else None,
-            peak_retention_parameter=back.parameter if back else None,
-            ratio=back.force / there.force if back and there.force > 0 else None,
-            work_in=tracker.balance.put_in * unit,
-            work_out=tracker.balance.given_back * unit,
-            dissipation=tracker.balance.loss * unit,
-        )
-
-    def extremes(self, poses: Sequence[PoseResult], loop: Loop | None) -> Extremes:
+    def extremes(self, poses: Sequence[PoseResult], loop: Loop | None, peaks: Sequence[Equilibrium | None]) -> Extremes:
         """What was largest on the way."""
         order = self.tracker.order if self.tracker else self.order
         buckled = any(event.kind == "snap" and event.detail == STRUT for event in self.events)
-        peaks = [top.equilibrium for top in self.tops]
         course = Course(self.scene, self.fixed, self.watch, order, poses, buckled, loop, self.locked, peaks)
         return course.extremes()
 
@@ -215,11 +182,11 @@ class _Follower:
 
     def _approached(self, value: float) -> Tracker:
         """A motion that starts in contact; the way there is no part of it and leaves no friction behind."""
-        smooth = replace(self.fixed, friction=None) if tracker_for(self.fixed) is FrictionTracker else self.fixed
+        law = self.fixed.friction
+        smooth = replace(self.fixed, friction=law if law and law.tipward else None)
         answer, order = approach(smooth, self.kinematics.frame(value), self.scene.approach, self.order)
         tracker = tracker_for(self.fixed).resume(self.fixed, self.kinematics, value, order, answer.verified)
-        if isinstance(tracker, FrictionTracker):
-            tracker.begin(self._heading(value))
+        tracker.begin(self._heading(value))
         return tracker
 
     def _heading(self, value: float) -> float:

@@ -20,10 +20,12 @@ from gripper.branch import Along, Path
 from gripper.certificate import DEPTH, Survey, survey
 from gripper.clearance import clearance
 from gripper.contact import linearise
-from gripper.equilibrium import NoEquilibriumError, Setting, State, predicted, reckoned, unloaded
+from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, predicted, reckoned, unloaded
 from gripper.events import STRUT, Change, changes, head_on
 from gripper.features import transition
+from gripper.loop import Loop
 from gripper.patches import settle_contacts
+from gripper.result import PoseResult
 from gripper.site import Site, pointed
 from gripper.snap import descend, distance
 from gripper.verified import Verified, untouched, verify
@@ -102,6 +104,17 @@ class Tracker:
         state = current.equilibrium.state
         tracker.current = tracker._at(parameter, state) if state.sites else current
         return tracker
+
+    def begin(self, heading: float) -> None:
+        """A motion starts in contact, with that sign of its way along the parameter: without friction it is all one."""
+
+    def account(self, pose: PoseResult) -> PoseResult:
+        """The pose with what its history adds: without friction nothing."""
+        return pose
+
+    def loop(self) -> tuple[Loop | None, list[Equilibrium | None]]:
+        """The loop so far, and the equilibria at its peaks: None without friction."""
+        return None, []
 
     def advance(self, target: float) -> Answer:
         """Follow the path to a value of its parameter.
@@ -242,10 +255,13 @@ class Tracker:
         except NoEquilibriumError:
             if travel < 2 * _SHORTEST and not self._loosens(guess):
                 raise
-            obstacle = self.setting.obstacle(self.path.frame(following))
-            found = find(self.setting, obstacle, guess, self.order)
+            found = self._found(following, guess)
             self._compare(found, distance(found.equilibrium.state, start.state), max(travel, expected / 2))
         return found
+
+    def _found(self, following: float, guess: State) -> Verified:
+        """SLSQP tells which contacts are left, or come."""
+        return find(self.setting, self.setting.obstacle(self.path.frame(following)), guess, self.order)
 
     @staticmethod
     def _loosens(predicted: State) -> bool:
@@ -321,6 +337,15 @@ class Tracker:
             self.iterations += self.current.equilibrium.iterations
             error = discretisation_error(self.setting, self.current.equilibrium)
         return Answer(self.current, error, 0.0, self.iterations)
+
+
+def tracker_for(setting: Setting) -> type[Tracker]:
+    """The tracker that a setting needs: with friction that the motion decides, one whose contacts slip and stick."""
+    if setting.friction is None or setting.friction.tipward:
+        return Tracker
+    from gripper.frictional import FrictionTracker  # without friction it is not even read
+
+    return FrictionTracker
 
 
 def _alike(one: State, other: State) -> bool:

@@ -23,15 +23,11 @@ _MEETING = 1e-9  # of L: where pieces of the outline meet
 
 def adjacent(setting: Setting, lost: Feature, won: Feature) -> bool:
     """Whether a contact may roll on: to the corner at an edge's end, or back; to another of the object's corners."""
-    outline = setting.outline
     if "corner" not in (lost[0], won[0]) and lost[2] != won[2]:
         return lost[1] == won[1]  # the object rolls along a face, from its corner on to its side or to the next corner
     if (lost[0] == "corner") == (won[0] == "corner") and lost[0] != "vertex":
         return False
-    ends = [outline.ends(feature[1]) for feature in (lost, won)]
-    if min(abs(a - b) for a in ends[0] for b in ends[1]) > _MEETING:
-        return False
-    return True
+    return setting.outline.meet(lost[1], won[1])
 
 
 def changed(setting: Setting, path: Path, old: Along, new: Along, lost: Feature, won: Feature, order: int) -> float:

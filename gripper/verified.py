@@ -43,15 +43,11 @@ def untouched(setting: Setting, free: Verified) -> bool:
 
 def objection(setting: Setting, equilibrium: Equilibrium) -> str | None:
     """Why an equilibrium of these contacts is none of the real ones, or None: pull, or a contact off its piece."""
-    state, first = equilibrium.state, 0
-    loads = [state.multipliers[0:0]]
-    for site in state.sites:
-        loads.append(state.multipliers[first : first + site.multipliers])
-        first += site.multipliers
+    state = equilibrium.state
     largest = float(np.max(np.abs(state.multipliers), initial=0.0))
     if state.sites and largest < NOTHING:
         return "no contact carries anything"
-    for site, load in zip(state.sites, loads[1:], strict=True):
+    for site, load in zip(state.sites, state.loads, strict=True):
         pressure = legendre(_ACROSS, site.modes) @ load
         allowed = PULL * largest if site.modes <= NARROW else _RIPPLE * float(np.max(pressure))
         if float(np.min(pressure)) < -allowed:

@@ -13,11 +13,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from gripper.arrays import Array
+from gripper.balance import Balance, cubic
 from gripper.branch import Along, Branch, Path
 from gripper.climb import MARKS, Climber, Flank, Measure, Sample, Summit, at_change
 from gripper.contact_forces import drive
 from gripper.equilibrium import NoEquilibriumError, Setting
-from gripper.work import Balance, cubic
 
 _RIVALS = 3  # local maxima that are climbed
 _NEARLY = 0.9  # of the highest sample: lower ones are not climbed

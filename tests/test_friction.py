@@ -17,12 +17,12 @@ import gripper as gr
 from gripper.assemble import setting
 from gripper.contact import linearise
 from gripper.equilibrium import State, settle
-from gripper.frictional import tracker_for
-from gripper.grip import Grip, Law, grouped
+from gripper.grip import Grip
 from gripper.kinematics import Kinematics
+from gripper.law import Law
 from gripper.others import answers, compliance
 from gripper.site import Site
-from gripper.tracker import Tracker
+from gripper.tracker import Tracker, tracker_for
 from gripper_plugins.objects.circle import Circle
 from gripper_plugins.objects.ellipse import Ellipse
 from tests.scenes import BEAM, EXACT, REFERENCE, TAPERED, Q, follow, micro_assembly, rotating_finger, still, unit_finger
@@ -549,7 +549,7 @@ def test_the_linearisation_with_friction_is_the_derivative_of_its_equations(kind
     fixed = setting(scene)
     law = Law(0.2 + 2 * sympy.Symbol("s"), 0.3, fixed.outline, fixed.sections.length, 0)
     grip = Grip(law, hold, 1 if hold == "slip" else 0, 0.13)
-    sites = grouped(fixed.outline, tuple(dataclasses.replace(site, grip=grip) for site in MADE[kind]))
+    sites = law.grouped(tuple(dataclasses.replace(site, grip=grip) for site in MADE[kind]))
     beam, random = fixed.beam(sites, 4), np.random.default_rng(1)
     z = 0.05 * np.sin(np.arange(beam.size))
     load = 0.5 + random.random(sum(site.multipliers for site in sites))

@@ -57,7 +57,7 @@ def refusal(scene: Scene) -> None:
         Published friction, or a part of the model that has no derivatives here.
     """
     friction = scene.friction
-    if friction is not None and not friction.absent and friction.model == "published":
+    if friction is not None and friction.published:
         raise ValueError("model of friction must be 'coulomb', to be differentiated; got 'published'")
     finger = placed(scene.finger).body
     parts: list[tuple[type, Any]] = [(Scene, scene), (Finger, finger), (Material, finger.material)]

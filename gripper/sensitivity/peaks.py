@@ -14,7 +14,6 @@ import numpy as np
 from gripper.arrays import Array
 from gripper.branch import Along, Branch
 from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, settle
-from gripper.grip import dressed
 from gripper.holds import coefficient
 from gripper.outline import LOWER, UPPER
 from gripper.profile import largest_strain
@@ -155,7 +154,8 @@ def _twins(setting: Setting, equilibrium: Equilibrium) -> list[Equilibrium]:
             if place is None:
                 continue
             twin = replace(site, kind="tangent", piece=number, place=(place,), grip=None)
-            (twin,) = dressed(setting.friction, (site,), (twin,))
+            if setting.friction:
+                (twin,) = setting.friction.dressed((site,), (twin,))
             sites = (*state.sites[:i], twin, *state.sites[i + 1 :])
             try:
                 found = settle(setting, equilibrium.obstacle, replace(state, sites=sites), state.beam.order)

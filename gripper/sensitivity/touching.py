@@ -9,7 +9,7 @@ import numpy as np
 
 from gripper.arrays import Array, Complex, Index
 from gripper.equilibrium import Equilibrium, Setting
-from gripper.grip import Anchor, leader
+from gripper.grip import Anchor
 from gripper.outline import UPPER, dot
 from gripper.sensitivity.finger_rates import FingerRates
 from gripper.sensitivity.geometry import Geometry, Marks
@@ -244,7 +244,7 @@ class Touching:
                     if 0 < nearest < len(self.beam.breaks) - 1:
                         breaks[span.column + j, nearest] += rate
             if site.grip is not None and site.grip.hold == "stick":
-                first = leader(site.grip.law.outline, self.sites, self.spans.index(span))
+                first = site.grip.law.leader(self.sites, self.spans.index(span))
                 ratios[self.spans[first].ratio, span.queries] = 1.0
         return breaks, queries, ratios
 

@@ -1,0 +1,100 @@
+"""The account of a motion with friction: work and loss, step by step, and the largest force of each leg."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from gripper.balance import Balance
+from gripper.branch import Along, Branch, Path, pointed, speed
+from gripper.equilibrium import NoEquilibriumError, Setting
+from gripper.peaks import Peak
+from gripper.work import BESIDE, REST, Pace, booked, drawn, pace
+
+_ASIDE = 2e-4  # of L
+_KEPT = 3  # paces: of a step's ends, and of one that was too long
+
+Part = tuple[float, Pace, float, Pace]
+
+
+class Ledger:
+    """Books the steps of a motion.
+
+    Parameters
+    ----------
+    setting, path
+        Of the motion.
+    """
+
+    balance = Balance()
+    """Work put in and energy lost so far."""
+    peaks: tuple[Peak, ...] = ()
+    """The largest force of the drive, one a leg of the motion."""
+
+    def __init__(self, setting: Setting, path: Path) -> None:
+        self.setting, self.path = setting, path
+        self._known: list[tuple[Along, float, Pace]] = []
+
+    def pace(self, at: Along, heading: float) -> Pace:
+        """The pace of an equilibrium, reckoned once.
+
+        Raises
+        ------
+        NoEquilibriumError
+            At a limit point.
+        """
+        if not at.equilibrium.state.sites:
+            return REST
+        for known, sign, found in self._known:
+            if known.equilibrium is at.equilibrium and (known.parameter, sign) == (at.parameter, heading):
+                return found
+        found = pace(self.setting, self.path, at, heading)
+        self._known = [*self._known[1 - _KEPT :], (at, heading, found)]
+        return found
+
+    def book(self, before: Along, after: Along, broken: list[float], heading: float, order: int) -> None:
+        """Take in a step, and where contacts changed on it, in the order in which they did.
+
+        Raises
+        ------
+        NoEquilibriumError
+            At a limit point.
+        """
+        start, stop = self.pace(before, heading), self.pace(after, heading)
+        parts: list[Part] = [(before.parameter, start, after.parameter, stop)]
+        if broken:  # there the rates jump
+            first = self._side(broken[0], before, start, heading, order)
+            last = self._side(broken[-1], after, stop, heading, order)
+            parts = [(before.parameter, start, broken[0], first), (broken[-1], last, after.parameter, stop)]
+        for begin, one, end, other in parts:
+            self.balance = booked(self.balance, one, other, end - begin)
+            self._note(Peak.of(begin, one, end, other, before if begin == before.parameter else after))
+
+    def _note(self, peak: Peak) -> None:
+        """Keep the largest force of each leg of the motion."""
+        if not peak.heading:
+            return
+        if not self.peaks or peak.heading != self.peaks[-1].heading:
+            self.peaks = (*self.peaks, peak)
+        elif peak.force > self.peaks[-1].force:
+            self.peaks = (*self.peaks[:-1], peak)
+
+    def _side(self, at: float, near: Along, known: Pace, heading: float, order: int) -> Pace:
+        """The pace on one side of a change, on the branch of the step's end there.
+
+        It is drawn from a little aside of the change, where no segment of the finger is all but gone.
+        """
+        if not near.equilibrium.state.sites:
+            return REST
+        fast, way = speed(near.equilibrium), near.parameter - at
+        if abs(way) * fast <= max(BESIDE) * _ASIDE:
+            return known.carried(-way)
+        part = float(np.sign(way)) * _ASIDE / fast
+        try:
+            near = replace(near, equilibrium=pointed(self.setting, near.equilibrium, order))
+            branch = Branch(self.setting, self.path, near, order)
+            found = {parts: branch.at(at + parts * part) for parts in BESIDE[::-1]}
+            return drawn([found[parts] for parts in BESIDE], part, heading)
+        except NoEquilibriumError:
+            return known.carried(-way)
