@@ -73,8 +73,8 @@ class Setting:
         return np.array([-1j, 0j, 1j]) * half
 
     def breaks(self, sites: tuple[Site, ...]) -> tuple[float, ...]:
-        """Where segments end: at these contacts and at the profile's kinks."""
-        marks = sorted({0.0, 1.0, *self.sections.kinks}.union(*(site.breaks() for site in sites)))
+        """Where segments end: at these contacts and at the profile's own cuts."""
+        marks = sorted({0.0, 1.0, *self.sections.cuts}.union(*(site.breaks() for site in sites)))
         breaks = [0.0]
         for mark in marks:
             if mark - breaks[-1] > _NARROWEST and (1.0 - mark > _NARROWEST or mark == 1.0):

@@ -14,6 +14,7 @@ from gripper.outline import dot
 from gripper.parabola import vertex
 
 _DRAWN = np.linspace(0.0, 1.0, 81)
+_AT = 1e-9  # of L: a segment that ends this near to a contact ends there
 _ALONG = np.linspace(0.0, 1.0, 13)
 
 
@@ -38,15 +39,24 @@ class Profile:
     strain: slice
 
 
+def _before_contact(state: State) -> int:
+    """How many segments end before the first contact, or at it."""
+    first = min((site.place[0] for site in state.sites if site.on_face and site.place), default=1.0)
+    return max(1, sum(end <= first + _AT for end in state.beam.breaks[1:]))
+
+
 @functools.lru_cache(maxsize=8)  # a pose's is asked for by its result and by the motion's extremes
 def profile(setting: Setting, state: State) -> Profile:
     """Read the shape, where the balance is checked, and where strains are looked at."""
     beam = state.beam
     drawn = np.union1d(_DRAWN, beam.breaks)
-    balance = beam.breaks[1] * (_zeros(beam.modes) + 1) / 2
+    clear = _before_contact(state)
+    balance = (beam.starts[:clear, None] + beam.lengths[:clear, None] * (_zeros(beam.modes) + 1) / 2).ravel()
     strain = (beam.starts[:, None] + beam.lengths[:, None] * _ALONG).ravel()
     s = np.concatenate([drawn, balance, strain])
-    clamped, along = np.zeros(balance.size, dtype=np.intp), np.arange(beam.segments).repeat(_ALONG.size)
+    clamped, along = (
+        np.arange(count).repeat(points) for count, points in ((clear, beam.modes), (beam.segments, _ALONG.size))
+    )
     segment = np.concatenate([beam.segment_of(drawn), clamped, along])
     position, psi, _, kappa = state.axis.values(s, segment)
     half, stiffness = setting.sections.thickness(s) / 2, setting.sections.EI(s)

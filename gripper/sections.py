@@ -12,6 +12,7 @@ import sympy
 
 from gripper.arrays import Array
 from gripper.fingers import Finger, S
+from gripper.grading import graded
 from gripper.interval import NoEnclosureError, enclose_all
 from gripper.kinks import beside_kinks
 from gripper.rest import Rest, rest
@@ -58,6 +59,12 @@ class Sections:
     def energy_scale(self) -> float:
         """EI(0) / L, in J (and N m)."""
         return self.bending_stiffness / self.length
+
+    @functools.cached_property
+    def cuts(self) -> tuple[float, ...]:
+        """Where segments end: at kinks, and where the stiffness varies too much for one polynomial."""
+        marks = (0.0, *self.kinks, 1.0)
+        return tuple(sorted({*self.kinks, *graded(lambda sigma: 1 / self.EI(sigma), marks)}))
 
     @functools.cached_property
     def _moduli(self) -> tuple[float, float, float]:

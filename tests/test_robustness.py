@@ -36,6 +36,23 @@ def test_random_scenes_are_solved_and_no_judge_objects(index: int) -> None:
     assert judged.verdict == "solved", judged
 
 
+MENDED = (
+    "place: s/L = 0.02",  # the first touch near the clamp: predicted with a segment of its own
+    "place: s/L = 0.05",
+    "radius: R/L = 1e-6",  # thinner than what lies between two samples of the outline
+    "radius: R/L = 1e-4",
+    "taper: tip/base = 1e+03",  # all curvature within a thousandth of the finger
+    "random: 0/3",  # narrower than the patch that Newton finds: a place of its own all the same
+)
+
+
+@pytest.mark.parametrize("key", MENDED)
+def test_what_was_once_refused_or_wrong_is_solved(key: str) -> None:
+    wanted = next(each for each in (*lines(), *random(4)) if each.key == key)
+    judged = judge(wanted)
+    assert judged.verdict == "solved", judged
+
+
 def test_scenes_are_the_same_however_many_are_asked_for() -> None:
     assert list(random(3, seed=7)) == list(random(9, seed=7))[:3]
     assert list(random(1, seed=7)) != list(random(1, seed=8))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -11,6 +11,7 @@ import pytest
 import sympy
 
 import gripper as gr
+from gripper.equilibrium import NoEquilibriumError, reckoned
 from gripper.trace import Interrupted
 from gripper_plugins.fingers.tapered import Tapered
 from gripper_plugins.jaws.triangle import Triangle
@@ -326,3 +327,26 @@ def test_the_rotating_finger_met_from_the_far_left_is_a_strut_that_snaps_to_a_si
         assert change.detail == "corner of tip to tip"
         assert "undecided" in snap.detail
         assert snap.parameter == pytest.approx(-0.18636, abs=2e-5)  # however long the steps
+
+
+@dataclass(frozen=True, kw_only=True)
+class Brittle(Circle):
+    """A circle whose g cannot be reckoned within half its radius."""
+
+    def evaluate(self, points: np.ndarray, order: int = 2) -> tuple[np.ndarray, ...]:
+        if np.min(np.hypot(*points.T)) < self.radius / 2:
+            raise ZeroDivisionError("division by zero")
+        return super().evaluate(points, order)
+
+
+def test_arithmetic_that_breaks_down_fails_its_pose_with_a_reason() -> None:
+    pose = gr.solve(
+        gr.Scene(finger=unit_finger(), object=Brittle(radius=0.2).at(x=0.6, y=-0.05), theory="shear")
+    ).poses[0]
+    assert pose.status == "failed"
+    assert pose.reason == "the arithmetic breaks down: division by zero"
+
+
+def test_a_matrix_that_cannot_be_factorised_is_a_refusal() -> None:
+    with pytest.raises(NoEquilibriumError, match="the arithmetic breaks down: Singular matrix"), reckoned():
+        np.linalg.inv(np.zeros((2, 2)))
