@@ -155,9 +155,16 @@ def test_figures_show_the_numbers_and_mark_what_has_none():
     assert list(line.get_ydata())[1:] == [curve.rows[1].summary.strain, curve.rows[0].summary.strain]
     assert list(missing.get_xdata()) == [-1.0]
     table = gr.sweep(POSE, OVER)
-    cells = table.plot("force_on_object").axes[0].collections[0].get_array()
-    assert cells.shape == (2, 3) and list(cells.mask[0]) == [True] * 3
-    assert list(cells[1]) == [table.rows[i].summary.force_on_object for i in (0, 4, 2)]
+    thick, thin, missing = table.plot("force_on_object").axes[0].lines
+    assert list(thick.get_ydata()) == [table.rows[i].summary.force_on_object for i in (0, 4, 2)]
+    assert np.isnan(thin.get_ydata()).all() and list(missing.get_xdata()) == list(thin.get_xdata())
+    assert thick.get_label() == "finger.thickness = 0.06"
+    wide = gr.sweep(POSE, {"finger.length": (1.0,), "object.radius": (0.25, 0.2, -1.0, 0.3, 0.35)})
+    axes = wide.plot("strain").axes[0]
+    cells = axes.collections[0].get_array()
+    assert list(cells.mask[:, 0]) == [True] + [False] * 4
+    assert cells[1, 0] == wide.rows[1].summary.strain
+    assert [text.get_text() for text in axes.get_yticklabels()] == ["-1", "0.2", "0.25", "0.3", "0.35"]
     three = gr.sweep(POSE, {"object.radius": (0.25,), "finger.length": (1.0,), "object.pose.x": (0.7,)})
     with pytest.raises(ValueError, match="one key or two"):
         three.plot("strain")

@@ -14,11 +14,15 @@ from gripper.summary import QUANTITIES
 if TYPE_CHECKING:
     from gripper.sweep.run import Sweep
 
+_FEW = 4  # values of a second key that curves can be told apart for
+_TICKS = 7  # values of a key that each have their tick
 _SIZE = (COLUMN / INCH, 0.8 * COLUMN / INCH)
 
 
 def drawn(sweep: Sweep, quantity: str) -> Figure:
     """Draw a number over one key as a curve, over two as a map; variants without an answer are crosses.
+
+    A second key of few values gives a curve for each.
 
     Raises
     ------
@@ -32,7 +36,8 @@ def drawn(sweep: Sweep, quantity: str) -> Figure:
         axes = figure.add_subplot()
         unit = QUANTITIES.get(quantity, "")
         label = f"{quantity.replace('_', ' ')}{unit and f' ({unit})'}"
-        draw = _curve if len(sweep.plan.over) == 1 else _map
+        few = len(sweep.plan.over) == 1 or len(sweep.plan.over[1][1]) <= _FEW
+        draw = _curves if few else _map
         draw(figure, axes, sweep, quantity, label)
     return figure
 
@@ -43,16 +48,19 @@ def _values(sweep: Sweep, quantity: str) -> np.ndarray:
     return np.array(numbers, dtype=float).reshape([len(values) for _, values in sweep.plan.over])
 
 
-def _curve(figure: Figure, axes: Axes, sweep: Sweep, quantity: str, label: str) -> None:
-    ((key, places),) = sweep.plan.over
+def _curves(figure: Figure, axes: Axes, sweep: Sweep, quantity: str, label: str) -> None:
+    (key, places), *second = sweep.plan.over
     order = np.argsort(places)
-    x, y = np.array(places)[order], _values(sweep, quantity)[order]
-    axes.plot(x, y, marker="o")
-    missing = x[np.isnan(y)]
-    bottom = np.full(missing.size, 0.03)
-    axes.plot(missing, bottom, "x", color=FORCE, transform=axes.get_xaxis_transform(), label="no answer")
-    if missing.size:
-        axes.legend()
+    x, values = np.array(places)[order], _values(sweep, quantity)[order].reshape(len(places), -1)
+    names = [f"{second_key} = {value:.4g}" for second_key, others in second for value in others]
+    for y, name in zip(values.T, names or [None], strict=True):
+        axes.plot(x, y, marker="o", label=name)
+    rows, columns = np.nonzero(np.isnan(values))
+    if rows.size:
+        bottom = 0.03 + 0.03 * columns
+        axes.plot(x[rows], bottom, "x", color=INK, transform=axes.get_xaxis_transform(), label="no answer")
+    if rows.size or names:
+        figure.legend(loc="outside lower center", ncols=2)
     axes.set(xlabel=f"{key} (SI)", ylabel=label)
     axes.margins(x=0.02)
 
@@ -71,6 +79,9 @@ def _map(figure: Figure, axes: Axes, sweep: Sweep, quantity: str, label: str) ->
     missing = np.argwhere(np.isnan(values))
     axes.plot(x_places[missing[:, 1]], y_places[missing[:, 0]], "x", color=FORCE, linestyle="none")
     axes.set(xlabel=f"{x_key} (SI)", ylabel=f"{y_key} (SI)")
+    for axis, places in ((axes.xaxis, x_places), (axes.yaxis, y_places)):
+        if places.size <= _TICKS:
+            axis.set_ticks(places, [f"{place:.4g}" for place in places])
 
 
 def _edges(places: np.ndarray) -> np.ndarray:
