@@ -53,8 +53,8 @@ def _curves(figure: Figure, axes: Axes, sweep: Sweep, quantity: str, label: str)
     order = np.argsort(places)
     x, values = np.array(places)[order], _values(sweep, quantity)[order].reshape(len(places), -1)
     names = [f"{second_key} = {value:.4g}" for second_key, others in second for value in others]
-    for y, name in zip(values.T, names or [None], strict=True):
-        axes.plot(x, y, marker="o", label=name)
+    for y, name in zip(values.T, names or [""], strict=True):
+        axes.plot(x, y, marker="o", label=name or None)
     rows, columns = np.nonzero(np.isnan(values))
     if rows.size:
         bottom = 0.03 + 0.03 * columns
