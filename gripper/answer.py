@@ -16,7 +16,7 @@ from gripper.contact_forces import NO_FORCE, cross, drive, loads
 from gripper.equilibrium import Equilibrium, Setting, kkt_step
 from gripper.kept import Kept
 from gripper.kinematics import Placement
-from gripper.profile import Profile, largest_strain, profile
+from gripper.profile import Profile, largest_strain, profile, unknown
 from gripper.reported import contacts, vector
 from gripper.result import ErrorEstimate, PoseResult, Shape
 from gripper.verified import Verified
@@ -49,7 +49,7 @@ def pose_result(setting: Setting, answer: Answer, parameter: float | None, place
     """The plain numbers of a pose; failed where a check is not met."""
     seen = profile(setting, answer.verified.equilibrium.state)
     checks = checked(setting, answer.verified, seen)
-    reason = shortcoming(checks)
+    reason = shortcoming(checks) or unknown(setting, answer.verified.equilibrium.state, seen)
     if reason:
         return PoseResult.failed(parameter, reason, answer.iterations, answer.seconds)
     scales, equilibrium = setting.sections, answer.verified.equilibrium

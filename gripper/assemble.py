@@ -18,6 +18,7 @@ from gripper.axis import Axis
 from gripper.beam import BeamTheory
 from gripper.certificate import Survey, survey
 from gripper.contact import linearise
+from gripper.energy import energy, energy_gradient, energy_hessian
 from gripper.equilibrium import Setting, State
 from gripper.kinematics import Kinematics
 from gripper.obstacle import Obstacle
@@ -134,20 +135,27 @@ class Problem:
 
     @property
     def energy_unit(self) -> float:
-        """J per unit of |x|^2 / 2."""
+        """J per unit of the scaled energy."""
         return self.scale**2 * self.setting.sections.energy_scale
+
+    def scaled_energy(self, x: Array) -> tuple[float, Array]:
+        """What SciPy minimises, and its gradient (n,): |x|^2 / 2 and x under the linear law."""
+        if self.beam.response is None:
+            return float(x @ x) / 2, x
+        z = x * self.scale
+        return energy(self.beam, z) / self.scale**2, energy_gradient(self.beam, z) / self.scale
 
     def energy(self, x: Array) -> float:
         """Strain energy, in J (Lan & Lee eq 1)."""
-        return float(x @ x) / 2 * self.energy_unit
+        return self.scaled_energy(np.asarray(x))[0] * self.energy_unit
 
     def energy_gradient(self, x: Array) -> Array:
         """Gradient of the energy (n,), in J."""
-        return self.energy_unit * np.asarray(x)
+        return self.energy_unit * self.scaled_energy(np.asarray(x))[1]
 
     def energy_hessian(self, x: Array) -> Array:
-        """Hessian of the energy (n, n), in J: a multiple of the identity."""
-        return self.energy_unit * np.eye(self.size)
+        """Hessian of the energy (n, n), in J: a multiple of the identity under the linear law."""
+        return self.energy_unit * energy_hessian(self.beam, np.asarray(x) * self.scale)
 
     def gaps(self, x: Array) -> Array:
         """Gap at each candidate (m,), in m: at least 0 where nothing penetrates (Lan & Lee eq 3)."""
@@ -210,7 +218,7 @@ class Problem:
             "jac": lambda x: self._evaluate(x * self.scale)[2] * (self.scale / self.gap_scale),
         }
         return {
-            "fun": lambda x: (float(x @ x) / 2, x),
+            "fun": self.scaled_energy,
             "x0": self.x0,
             "jac": True,
             "method": "SLSQP",

@@ -22,6 +22,7 @@ import numpy as np
 from scipy.special import eval_legendre
 
 from gripper.arrays import Array, Complex, Index
+from gripper.laws import Response
 from gripper.sections import Sections
 
 BeamTheory = Literal["bending", "shear", "stretch"]
@@ -174,6 +175,26 @@ class Beam:
         for i in range(2):
             maps[i, each, :, each, i + 1] = self._rule.modes @ self._whiten[i + 1]
         return maps.reshape(2, -1, self.size)
+
+    @functools.cached_property
+    def response(self) -> Response | None:
+        """What a section law answers at the Gauss points; None under the linear law, which needs no answer."""
+        law = self.sections.law
+        return None if law is None else Response(law, self.sections, self.gauss, self.fields)
+
+    @functools.cached_property
+    def gauss_maps(self) -> Array:
+        """The fields at a segment's Gauss points from its own unknowns, (fields, segments, q, p + 1)."""
+        return self._rule.modes @ self._whiten
+
+    @functools.cached_property
+    def gauss_lengths(self) -> Array:
+        """The length that each Gauss point stands for, (g,)."""
+        return (self._halves[:, None] * self._rule.weights).ravel()
+
+    def gauss_strains(self, z: Array) -> Array:
+        """The strains at the Gauss points, (fields, g)."""
+        return (self.coefficients(z) @ self._rule.modes.T).reshape(self.fields, -1)
 
     def segment_of(self, s: Array, *, left: bool = False) -> Index:
         """The segment of each station; at a break the one after it, or before it with ``left``."""

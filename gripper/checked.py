@@ -7,7 +7,7 @@ import numpy as np
 from gripper.contact_forces import NO_FORCE, loads
 from gripper.equilibrium import Equilibrium, Setting
 from gripper.outline import dot
-from gripper.profile import Profile
+from gripper.profile import Profile, carried
 from gripper.result import Checks
 from gripper.verified import Verified
 
@@ -27,7 +27,7 @@ def checked(setting: Setting, verified: Verified, seen: Profile) -> Checks:
     if state.sites:
         load = lin.loads.T @ state.multipliers
         total = max(float(np.abs(loads(equilibrium)[1]).sum()), NO_FORCE)
-        stationarity = float(np.linalg.norm(state.z - load)) / max(float(np.linalg.norm(load)), NO_FORCE)
+        stationarity = float(np.linalg.norm(state.energy_gradient - load)) / max(float(np.linalg.norm(load)), NO_FORCE)
         force, moment = (missing / total for missing in _imbalance(setting, equilibrium, seen))
     return Checks(
         stationarity=stationarity,
@@ -43,14 +43,14 @@ def checked(setting: Setting, verified: Verified, seen: Profile) -> Checks:
 def _imbalance(setting: Setting, equilibrium: Equilibrium, seen: Profile) -> tuple[float, float]:
     """Force and moment at the clamp that the strains carry beyond the contact forces'.
 
-    EI kappa between the clamp and the first contact, less the contact forces' moments about the same sections, is
+    The moment M (EI kappa) between the clamp and the first contact, less the contact forces' moments about the same sections, is
     fitted by a couple and a force across the chord (a nearly straight finger tells nothing of one along it). It is
     read at the zeros of P_(p+1), where the error of a projection on polynomials of order p is of higher order.
     """
     points, forces = loads(equilibrium)
     position = seen.position[seen.balance]
     applied = ((points[None, :] - position[:, None]).conj() @ forces[:, None]).imag[:, 0]
-    missing = seen.stiffness[seen.balance] * seen.kappa[seen.balance] - applied
+    missing = carried(setting, equilibrium.state, seen) - applied
     arms = -dot(position, position[-1] / abs(position[-1]))
     middle = arms - arms.mean()
     across = float(middle @ missing / (middle @ middle)) if len(arms) > 1 else 0.0

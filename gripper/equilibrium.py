@@ -2,12 +2,13 @@
 
 Unknowns are the beam's z, the multipliers lambda and the contacts' places u; the equations are
 
-    z - C_z^T lambda = 0,   C(z, u) = 0,   R(z, u) = 0,
+    dV/dz - C_z^T lambda = 0,   C(z, u) = 0,   R(z, u) = 0,
 
-V's Hessian being the identity. With friction the loads are not C_z but what the inclined forces do, and a contact that
-sticks has one more unknown, its ratio of friction, and one more equation: no slip (:mod:`gripper.rubbing`). The same
-matrix gives the tangent along a motion, the stability and the error estimate. Segments end at the contacts: they are
-cut anew until the places that come out are those that went in.
+V's gradient being z and its Hessian the identity unless the material has a law of its own (:mod:`gripper.energy`).
+With friction the loads are not C_z but what the inclined forces do, and a contact that sticks has one more unknown, its
+ratio of friction, and one more equation: no slip (:mod:`gripper.rubbing`). The same matrix gives the tangent along a
+motion, the stability and the error estimate. Segments end at the contacts: they are cut anew until the places that come
+out are those that went in.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from gripper.axis import Axis
 from gripper.beam import Beam, BeamTheory
 from gripper.contact import linearise
 from gripper.contact_rows import Linearisation
+from gripper.energy import energy, energy_gradient, energy_hessian
 from gripper.objects import Object
 from gripper.obstacle import Frame, Obstacle
 from gripper.outline import Outline
@@ -105,10 +107,20 @@ class State:
         """The strain fields' coefficients, (fields, segments, p + 1)."""
         return self.beam.coefficients(self.z)
 
-    @property
+    @functools.cached_property
     def energy(self) -> float:
         """Strain energy over EI(0) / L."""
-        return float(self.z @ self.z) / 2
+        return energy(self.beam, self.z)
+
+    @functools.cached_property
+    def energy_gradient(self) -> Array:
+        """Its gradient by z, (n,)."""
+        return energy_gradient(self.beam, self.z)
+
+    @property
+    def energy_hessian(self) -> Array:
+        """Its Hessian by z, (n, n)."""
+        return energy_hessian(self.beam, self.z)
 
     @property
     def places(self) -> Array:
@@ -156,7 +168,7 @@ class Equilibrium:
 
     def matrix(self) -> Array:
         """The KKT matrix in (z, lambda, u)."""
-        return _matrix(self.linear)
+        return _matrix(self.state, self.linear)
 
     def tangent(self) -> Step:
         """Rates of z, the multipliers and the places with the motion's parameter, the segments held still."""
@@ -218,10 +230,10 @@ def reckoned() -> Iterator[None]:
         raise NoEquilibriumError(f"the arithmetic breaks down: {error}") from error
 
 
-def _matrix(lin: Linearisation) -> Array:
+def _matrix(state: State, lin: Linearisation) -> Array:
     n, m, k = lin.gradients.shape[1], len(lin.values), len(lin.residuals)
     matrix = np.zeros((n + m + k, n + m + k))
-    matrix[:n, :n] = np.eye(n) - lin.hessian
+    matrix[:n, :n] = state.energy_hessian - lin.hessian
     matrix[:n, n : n + m], matrix[:n, n + m :] = -lin.loads.T, -lin.load_slopes
     matrix[n : n + m, :n], matrix[n : n + m, n + m :] = lin.gradients, lin.value_slopes
     matrix[n + m :, :n], matrix[n + m :, n + m :] = lin.residual_gradients, lin.residual_slopes
@@ -241,9 +253,9 @@ def kkt_step(state: State, lin: Linearisation) -> Step:
     NoEquilibriumError
         Where the system is singular.
     """
-    stationarity = state.z - lin.loads.T @ state.multipliers
+    stationarity = state.energy_gradient - lin.loads.T @ state.multipliers
     try:
-        step = np.linalg.solve(_matrix(lin), -np.concatenate([stationarity, lin.values, lin.residuals]))
+        step = np.linalg.solve(_matrix(state, lin), -np.concatenate([stationarity, lin.values, lin.residuals]))
     except np.linalg.LinAlgError as error:
         raise NoEquilibriumError("the KKT system is singular (parallel constraints)") from error
     return _split(step, lin)
@@ -370,7 +382,7 @@ def settle(setting: Setting, obstacle: Obstacle, state: State, order: int) -> Eq
 
 def _unbalanced(state: State, lin: Linearisation) -> float:
     """What is left of the stationarity condition, relative."""
-    left = float(np.linalg.norm(state.z - lin.loads.T @ state.multipliers))
+    left = float(np.linalg.norm(state.energy_gradient - lin.loads.T @ state.multipliers))
     return left / (float(np.linalg.norm(state.z)) + _NO_STRAIN)
 
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import dataclasses
 from abc import ABC, abstractmethod
-from typing import Annotated, Literal
+from typing import Annotated, Literal, get_args
 
 import sympy
 
-from gripper.fields import Positive, Profile, Rule, check_fields
+from gripper.fields import Point, Positive, Profile, Rule, check_fields
 from gripper.kinks import kinks_of
 from gripper.pose import Placeable
 
@@ -18,12 +18,15 @@ S = sympy.Symbol("s", real=True)
 REPEATED = 0.6
 """Permissible strain of repeated use, over that of a single use."""
 
+LawName = Literal["linear", "secant", "logarithmic", "st_venant_kirchhoff", "neo_hookean"]
+"""Laws of a material."""
+
 PoissonRatio = Annotated[float, Rule("lie above -1 and at most at 0.5", lambda v: -1 < v <= 0.5)]
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Material:
-    """Linear elastic, isotropic material.
+    """Elastic, isotropic material: linear, unless it has a law of its own.
 
     Parameters
     ----------
@@ -40,6 +43,11 @@ class Material:
     repeated_strain
         Largest permissible strain of repeated use; 60 % of ``yield_strain`` when it is not given (the rule of
         Bayer MaterialScience, Snap-Fit Joints for Plastics, part C).
+    law
+        "linear" in the strains; "secant": a curve of stress over strain (``table``); "logarithmic" (Hencky),
+        "st_venant_kirchhoff", "neo_hookean": for large strain. All begin with E and nu (:mod:`gripper.laws`).
+    table
+        Of law "secant": (strain, nominal stress in Pa), rising. Strains above 0 alone: compression mirrors tension.
     """
 
     youngs_modulus: Positive
@@ -48,9 +56,21 @@ class Material:
     plane: Literal["stress", "strain"] = "stress"
     yield_strain: Positive | None = None
     repeated_strain: Positive | None = None
+    law: LawName = "linear"
+    table: tuple[Point, ...] | None = None
 
     def __post_init__(self) -> None:
         check_fields(self)
+        if self.law not in get_args(LawName):
+            raise ValueError(f"law must be one of {', '.join(get_args(LawName))}; got {self.law!r}")
+        if (self.law == "secant") != (self.table is not None):
+            raise ValueError(
+                f"table must be given with law 'secant', and only there; got {self.table!r} with {self.law!r}"
+            )
+        if self.table is not None:
+            from gripper.laws.secant import check_table  # here: the interpolation is imported where it is needed
+
+            check_table(self.table, self.youngs_modulus)
         if self.plane not in ("stress", "strain"):
             raise ValueError(f"plane must be 'stress' or 'strain'; got {self.plane!r}")
 

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gripper.arrays import Array, Complex
+from gripper.arrays import Array, Complex, Index
 from gripper.contact_forces import loads
 from gripper.equilibrium import Equilibrium, Setting, State
+from gripper.laws import Response
 from gripper.outline import dot
 from gripper.parabola import vertex
 
@@ -29,6 +30,7 @@ class Profile:
     """What is read of a deflected finger; lengths by L, stiffness EI over EI(0)."""
 
     s: Array
+    segment: Index
     position: Complex
     psi: Array
     kappa: Array
@@ -62,7 +64,35 @@ def profile(setting: Setting, state: State) -> Profile:
     half, stiffness = setting.sections.thickness(s) / 2, setting.sections.EI(s)
     first, second = drawn.size, drawn.size + balance.size
     spans = slice(0, first), slice(first, second), slice(second, s.size)
-    return Profile(s, position, psi, kappa, half, stiffness, *spans)
+    return Profile(s, segment, position, psi, kappa, half, stiffness, *spans)
+
+
+def responding(setting: Setting, state: State, seen: Profile, span: slice) -> tuple[Response, Array]:
+    """A law's sections at some of the stations, and their strains (fields, k)."""
+    beam, law = state.beam, setting.sections.law
+    if law is None:
+        raise ValueError("the material must have a law of its own; got the linear one")
+    strains = beam.strains(state.z, seen.s[span], seen.segment[span])
+    return Response(law, setting.sections, seen.s[span], beam.fields), strains
+
+
+def carried(setting: Setting, state: State, seen: Profile) -> Array:
+    """The moments of the strains where the balance is checked, (k,)."""
+    if setting.sections.law is None:
+        return seen.stiffness[seen.balance] * seen.kappa[seen.balance]
+    response, strains = responding(setting, state, seen, seen.balance)
+    return response.stress(strains)[0]
+
+
+def unknown(setting: Setting, state: State, seen: Profile) -> str | None:
+    """Where the strains leave what the material's law knows, in words, or None."""
+    if setting.sections.law is None:
+        return None
+    response, strains = responding(setting, state, seen, seen.strain)
+    strain, (least, most) = response.beyond(strains), setting.sections.law.fibre.span
+    if strain is None:
+        return None
+    return f"a fibre's strain is {strain:.3g}: the material's law is known from {least:.3g} to {most:.3g}"
 
 
 @functools.lru_cache(maxsize=8)
@@ -84,9 +114,14 @@ def largest_strain(setting: Setting, equilibrium: Equilibrium) -> tuple[float, f
     moments = ((points - position[:, None]).conj() * forces).imag
     beyond = places > middle[:, None]
     moment = np.sum(moments * beyond, axis=1)
-    strain = np.abs(moment) / seen.stiffness[seen.strain] * seen.half[seen.strain]
-    if state.beam.stretches:
-        along = dot(np.exp(1j * seen.psi[seen.strain]), beyond @ forces)
-        strain += np.abs(along) / state.beam.sections.EA(s)
+    stretches = state.beam.stretches
+    along = dot(np.exp(1j * seen.psi[seen.strain]), beyond @ forces) if stretches else np.zeros(s.size)
+    if setting.sections.law is not None:
+        response, strains = responding(setting, state, seen, seen.strain)
+        strain = response.loaded(strains, moment, along)
+    else:
+        strain = np.abs(moment) / seen.stiffness[seen.strain] * seen.half[seen.strain]
+        if stretches:
+            strain += np.abs(along) / setting.sections.EA(s)
     place, value = vertex(s, strain, int(np.argmax(strain)))
     return value, place

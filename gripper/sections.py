@@ -15,6 +15,7 @@ from gripper.fingers import Finger, S
 from gripper.grading import graded
 from gripper.interval import NoEnclosureError, enclose_all
 from gripper.kinks import beside_kinks
+from gripper.laws import SectionLaw, section_law
 from gripper.rest import Rest, rest
 
 _PARTS = 16
@@ -46,6 +47,8 @@ class Sections:
     """The shape of the unloaded axis; None where it is straight."""
     thickness_bounds: tuple[float, float, float]
     """Upper bounds of w / L, abs(dw/ds), L abs(d2w/ds2), proved by interval arithmetic (infinite where it cannot)."""
+    law: SectionLaw | None
+    """What a section answers; None under the linear law."""
     _thickness: Callable[[Array], tuple[Array, ...]]
     _stiffness: Callable[[Array], tuple[Array, ...]]
     _profile: Callable[[Array], tuple[Array | float, ...]]
@@ -132,7 +135,8 @@ def sections(finger: Finger) -> Sections:
         if folded >= 1:
             raise ValueError(f"rest_curvature times half the thickness must stay below 1; got up to {folded:.3g}")
         kinks = tuple(sorted({*kinks, *bent.kinks}))
-    return Sections(finger, finger.length, scale, kinks, bent, bounds, thickness, stiffness, profile)
+    law = section_law(finger.material)
+    return Sections(finger, finger.length, scale, kinks, bent, bounds, law, thickness, stiffness, profile)
 
 
 def _bounds(w: sympy.Expr, length: float) -> tuple[float, float, float]:

@@ -74,7 +74,8 @@ def _damped_step(setting: Setting, obstacle: Obstacle, state: State, damping: fl
 
     def dissipating(x: Array) -> tuple[float, Array]:
         away = x - x0
-        return float(x @ x + damping * (away @ away)) / 2, x + damping * away
+        stored, stress = problem.scaled_energy(x)
+        return stored + damping * float(away @ away) / 2, stress + damping * away
 
     answer = minimize(**{**arguments, "fun": dissipating})
     return problem.state(answer.x), int(answer.nfev)

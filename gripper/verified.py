@@ -94,7 +94,7 @@ def _adrift(setting: Setting, equilibrium: Equilibrium) -> str | None:
 
 
 def stability(equilibrium: Equilibrium) -> float:
-    """Smallest eigenvalue of the Hessian reduced to the motions that the contacts leave free (V's own: 1).
+    """Smallest eigenvalue of the Hessian reduced to the motions that the contacts leave free (V's own, linear: 1).
 
     With friction, whose stiffness is not symmetric: its :func:`singularity`.
     """
@@ -105,7 +105,7 @@ def stability(equilibrium: Equilibrium) -> float:
         return singularity(equilibrium)
     # places follow the motion: eliminate them where the gap is curved (points); where it is flat the tangent itself
     # is held; a patch is held by its pressures
-    hessian, held = np.eye(lin.gradients.shape[1]) - lin.hessian, [lin.gradients]
+    hessian, held = equilibrium.state.energy_hessian - lin.hessian, [lin.gradients]
     column = 0
     for site in equilibrium.state.sites:
         if site.kind in ("tangent", "vertex"):
@@ -122,7 +122,7 @@ def stability(equilibrium: Equilibrium) -> float:
 
 
 def singularity(equilibrium: Equilibrium) -> float:
-    """With friction: how far the tangent stiffness of the free motions is from singular (V's own: 1).
+    """With friction: how far the tangent stiffness of the free motions is from singular (V's own, linear: 1).
 
     It is the smallest singular value, less than 0 where the determinant has changed its sign since mu = 0. As mu
     vanishes it becomes the smallest eigenvalue of the reduced Hessian.
@@ -131,7 +131,7 @@ def singularity(equilibrium: Equilibrium) -> float:
     constraints' gradients, so that the stiffness is taken between the complements of both.
     """
     lin = equilibrium.linear
-    hessian = np.eye(lin.gradients.shape[1]) - lin.hessian
+    hessian = equilibrium.state.energy_hessian - lin.hessian
     rows, columns = list(lin.gradients), list(lin.loads)
     at = 0
     for site in equilibrium.state.sites:
