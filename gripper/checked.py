@@ -43,7 +43,7 @@ def checked(setting: Setting, verified: Verified, seen: Profile) -> Checks:
 def _imbalance(setting: Setting, equilibrium: Equilibrium, seen: Profile) -> tuple[float, float]:
     """Force and moment at the clamp that the strains carry beyond the contact forces'.
 
-    The moment M (EI kappa) between the clamp and the first contact, less the contact forces' moments about the same sections, is
+    The moment (EI kappa) between the clamp and the first contact, less the contact forces' about the same sections, is
     fitted by a couple and a force across the chord (a nearly straight finger tells nothing of one along it). It is
     read at the zeros of P_(p+1), where the error of a projection on polynomials of order p is of higher order.
     """

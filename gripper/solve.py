@@ -36,7 +36,8 @@ def model(scene: Scene, fixed: Setting, poses: Sequence[PoseResult]) -> Model:
     """What is solved for this scene, what is not, and where these poses leave what the theory holds."""
     own = (PUBLISHED,) if scene.friction and scene.friction.published else ()
     bent = () if fixed.sections.rest is None else ("curvature of the section at rest",)
-    notes = (plane_difference(fixed.sections.finger.material), *NOT_MODELLED, *bent, *own)
+    law = () if fixed.sections.law is None else ("unloading on another curve (Mullins' effect, plastic set)",)
+    notes = (plane_difference(fixed.sections.finger.material), *NOT_MODELLED, *law, *bent, *own)
     beyond = warnings(fixed.sections, poses, scene.tolerance)
     return Model(theory=fixed.theory, left_out=left_out(scene, fixed.theory), not_modelled=notes, warnings=beyond)
 

@@ -1,14 +1,16 @@
-"""Nonlinear material: fibres, sections, and fingers of them, against plane strips, quadrature, shooting and elements."""
+"""Nonlinear material: fibres, sections, fingers of them, against plane strips, quadrature, shooting and elements."""
 
 from __future__ import annotations
 
 import json
 import math
+import re
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad, solve_ivp
 from scipy.interpolate import CubicSpline
@@ -18,9 +20,11 @@ import gripper as gr
 from gripper.assemble import setting
 from gripper.energy import energy, energy_gradient, energy_hessian
 from gripper.laws import section_law
+from gripper.study.published import solve_as_published
+from gripper.study.shooting import NoReferenceError, shooting
 from gripper_plugins.fingers import Uniform
 from gripper_plugins.objects import Circle
-from tests.scenes import REFERENCE, RUBBER, TAPERED, rotating_finger
+from tests.scenes import REFERENCE, RUBBER, rotating_finger
 
 FEM = json.loads((REFERENCE / "fem.json").read_text())["rotating_finger"]
 LARGE = ("logarithmic", "st_venant_kirchhoff", "neo_hookean")
@@ -164,3 +168,162 @@ def test_at_small_strain_every_law_is_the_linear_one(law: str, theory: str) -> N
     assert energy_hessian(beam, 0 * z) == pytest.approx(np.eye(beam.size), abs=1e-12)
     assert energy(beam, 1e-5 * z) == pytest.approx(1e-10 * (z @ z) / 2, rel=1e-4)
     assert energy_gradient(beam, 1e-5 * z) == pytest.approx(1e-5 * z, abs=1e-9)
+
+
+# ---- Fingers.
+
+PLACES = (0.0508, 0.0254, 0.0, -0.0254, -0.0508, -0.0762, -0.1016)
+ELEMENTS = {
+    "st_venant_kirchhoff": "svk, mu = 0, 5184 elements",
+    "logarithmic": "hencky, mu = 0, 1296 elements",
+    "neo_hookean": "neo-Hookean, mu = 0, 1296 elements",
+}
+
+
+def apart(pose: gr.PoseResult, row: dict) -> float:
+    force = np.array(row["force_on_object"])
+    return float(np.linalg.norm(pose.force_on_object_finger_frame - force) / np.linalg.norm(force))
+
+
+@pytest.mark.parametrize("law", ELEMENTS)
+def test_every_pose_is_within_0_4_percent_of_the_elements_of_the_same_law(law: str) -> None:
+    result = gr.trace(of(law, rotating_finger(0.08, *PLACES, theory="stretch")))
+    rows = {row["x_e"]: row for row in FEM[ELEMENTS[law]]}
+    assert max(apart(pose, rows[pose.parameter]) for pose in result.poses[1:]) < 0.004
+    for pose in result.poses[1:]:
+        assert math.hypot(*pose.tip) == pytest.approx(math.hypot(*rows[pose.parameter]["tip"]), abs=3e-4)
+
+
+@pytest.mark.parametrize(("way", "start"), [("rising, 1296", ()), ("falling, 5184", (0.08,))])
+def test_with_friction_every_pose_is_within_0_4_percent_of_the_elements_of_the_same_law(way: str, start: tuple) -> None:
+    rows = FEM[f"svk, mu = 0.2, x_e {way} elements"]
+    values = [*start, *(row["x_e"] for row in rows)]
+    scene = rotating_finger(*values, theory="stretch", friction=gr.Friction(coefficient=0.2))
+    poses = gr.trace(of("st_venant_kirchhoff", scene)).poses[len(start) :]
+    assert max(apart(pose, row) for pose, row in zip(poses, rows, strict=True)) < 0.004
+
+
+def test_auto_takes_the_stretch_of_the_axis_where_the_law_makes_it_matter() -> None:
+    result = gr.trace(of("logarithmic", rotating_finger(0.08, -0.0508, theory="auto")))
+    assert result.model.theory == "stretch"
+    assert apart(result.poses[-1], FEM[ELEMENTS["logarithmic"]][4]) < 0.004
+
+
+@pytest.mark.parametrize(
+    ("law", "theory"), [("secant", "bending"), ("logarithmic", "shear"), ("neo_hookean", "stretch")]
+)
+def test_along_a_motion_the_work_is_the_energy_s(law: str, theory: str) -> None:
+    h = 2e-4
+    values = [0.045 + i * h for i in (-2, -1, 0, 1, 2)]
+    scene = of(law, rotating_finger(0.07, *values, theory=theory, tolerance=1e-8))
+    far, near, middle, nearer, farther = gr.trace(scene).poses[1:]
+    slope = (far.energy - 8 * near.energy + 8 * nearer.energy - farther.energy) / (12 * h)
+    assert middle.motion_force == pytest.approx(slope, rel=1e-6)
+
+
+def test_a_finger_that_yields_is_bent_as_shooting_bends_it() -> None:
+    s_c, force = 0.07, 0.2  # the force stands across the axis, at the contact
+    material = MATERIALS["secant"]
+    finger = Uniform(length=0.1, thickness=0.006, width=0.02, material=material)
+    EA, w, nu = material.youngs_modulus * 0.02 * 0.006, 0.006, material.poisson_ratio
+
+    def mean(what: Callable[[float, float], float], k: float, e: float) -> float:
+        """Over the thickness: of a function of the stress and the place."""
+        return quad(lambda y: what(yielding(e - k * (1 - nu * e) * y), y), -0.5, 0.5, epsabs=1e-13)[0]
+
+    def moment(k: float) -> float:
+        e = brentq(lambda e: mean(lambda stress, y: stress * (1 + nu * k * y), k, e), -0.01, 0.01, xtol=1e-14)
+        c = -(nu**2 / 6 + 1 - nu**2) / 240
+        across = 4 * c * k**3 * (1 + 24 * abs(c) * k**2) / (1 + 48 * abs(c) * k**2) ** 2
+        return EA * w * (mean(lambda stress, y: -stress * (1 - nu * e) * y, k, e) + across)
+
+    ks = np.linspace(0, 0.16, 81)
+    bent = CubicSpline([moment(float(k)) for k in ks], ks / w)
+
+    def along(_: float, y: np.ndarray) -> list[float]:  # backwards from the contact, in its section's axes
+        x, _, psi = y
+        return [-math.cos(psi), -math.sin(psi), -float(bent(-force * x))]
+
+    x, y, psi = solve_ivp(along, (0, s_c), [0, 0, 0], rtol=1e-11, atol=1e-13).y[:, -1]
+    turn = np.exp(-1j * psi)
+    foot = -complex(x, y) * turn  # the contact's section, from the clamp
+    centre = foot - 1j * turn * (w / 2 + 0.01)
+    scene = gr.Scene(
+        finger=finger,
+        object=Circle(radius=0.01).at(x=centre.real, y=centre.imag),
+        theory="bending",
+        tolerance=1e-8,
+    )
+    (pose,) = gr.solve(scene).poses
+    assert pose.reason is None
+    assert 0.03 < pose.max_strain < 0.08
+    (contact,) = pose.contacts
+    assert contact.normal_force == pytest.approx(force, rel=1e-5)
+    assert contact.s == pytest.approx(s_c, abs=1e-6)
+    assert pose.tip_rotation == pytest.approx(-psi, rel=1e-5)
+
+
+@settings(max_examples=6, deadline=None)
+@given(law=st.sampled_from(LARGE), x=st.floats(0.05, 0.09), push=st.floats(1e-4, 0.02), factor=st.floats(0.1, 10))
+def test_mirrored_it_bends_the_other_way_and_forces_grow_with_the_modulus(
+    law: str, x: float, push: float, factor: float
+) -> None:
+    material = MATERIALS[law]
+    finger = Uniform(length=0.1, thickness=0.008, width=0.02, material=material)
+    stiff = replace(material, youngs_modulus=4.8e6 * factor, shear_modulus=1.71e6 * factor)
+    scene = gr.Scene(finger=finger, object=Circle(radius=0.02).at(x=x, y=-0.024 + push), theory="stretch")
+    mirrored = replace(scene, object=Circle(radius=0.02).at(x=x, y=0.024 - push), approach=(0, -1))
+    stiffer = replace(scene, finger=replace(finger, material=stiff))
+    (one,), (other,), (more,) = (gr.solve(each).poses for each in (scene, mirrored, stiffer))
+    assert one.status == other.status == more.status == "contact"
+    assert other.force_on_object == pytest.approx((one.force_on_object[0], -one.force_on_object[1]), rel=1e-5)
+    assert more.force_on_object == pytest.approx(tuple(factor * f for f in one.force_on_object), rel=1e-6)
+
+
+def test_a_strain_beyond_the_table_fails_and_says_so() -> None:
+    material = replace(RUBBER, law="secant", table=tuple(point for point in CURVE if point[0] < 0.04))
+    scene = rotating_finger(0.08, 0.0254, -0.0254, 0.0508)
+    finger = replace(scene.finger, body=replace(scene.finger.body, material=material))
+    poses = gr.trace(replace(scene, finger=finger)).poses
+    assert [pose.status for pose in poses] == ["free", "failed", "failed", "contact"]
+    assert re.fullmatch(
+        r"a fibre's strain is 0\.\d+: the material's law is known from -0.039 to 0.039", poses[1].reason
+    )
+    assert poses[3].max_strain < 0.039
+
+
+# ---- What is refused.
+
+
+@pytest.mark.parametrize(
+    ("changes", "rule"),
+    [
+        ({"law": "rubber"}, "law must be one of linear, secant, logarithmic"),
+        ({"law": "secant"}, "table must be given with law 'secant'"),
+        ({"law": "logarithmic", "table": CURVE}, "table must be given with law 'secant'"),
+        ({"law": "secant", "table": ()}, "table must hold a strain and its stress"),
+        ({"law": "secant", "table": ((0.01, 4e4), (0.02, 3e4))}, "table must rise from the origin"),
+        ({"law": "secant", "table": ((0.01, -4e4),)}, "table must rise from the origin"),
+        ({"law": "secant", "table": ((0.01, 4e4), (0.01, 5e4))}, "table must rise from the origin"),
+        ({"law": "secant", "table": ((0.01, 1e4),)}, "youngs_modulus must be at most 3 times the stress over strain"),
+        ({"law": "secant", "table": ((-1.5, -4e7), (0.01, 4.8e4))}, "table must hold strains above -1"),
+        ({"law": "secant", "table": ((0.01, 4e4, 1.0),)}, r"table\[0\] must have 2 entries"),
+        ({"law": "secant", "table": 3.0}, "table must hold pairs"),
+    ],
+)
+def test_a_law_that_cannot_be_is_refused(changes: dict, rule: str) -> None:
+    with pytest.raises(ValueError, match=rule):
+        replace(RUBBER, **changes)
+
+
+def test_what_does_not_know_a_law_refuses_it() -> None:
+    scene = of("logarithmic", rotating_finger(0.08, 0.0508))
+    result = gr.trace(scene)
+    with pytest.raises(ValueError, match="law must be left out, to be differentiated; got 'logarithmic'"):
+        result.sensitivity("finger.tip_thickness")
+    with pytest.raises(ValueError, match="law must be 'linear', as the paper's is"):
+        solve_as_published(scene, 0.0508)
+    kept = result.poses[-1].kept
+    with pytest.raises(NoReferenceError, match="shooting knows the linear law alone"):
+        shooting(kept.setting, kept.equilibrium)
+    assert any("Mullins" in note for note in result.model.not_modelled)

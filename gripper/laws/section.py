@@ -33,7 +33,8 @@ if TYPE_CHECKING:
 Phi = tuple[Array, Array, Array, Array, Array, Array]
 """phi, its derivatives by k and e, and the second ones: kk, ke, ee."""
 _POINTS = 32
-_CONDENSING = 8  # steps of Newton's
+_CONDENSING = 20  # steps of Newton's
+_BALANCED = 1e-9  # of EA: the next step, of second order, is round-off
 
 
 @functools.cache
@@ -90,6 +91,8 @@ class SectionLaw:
         for _ in range(_CONDENSING):
             *_, axial, _, _, stiff = self.phi(k, e)
             e = e - axial / stiff
+            if np.max(np.abs(axial), initial=0.0) < _BALANCED:
+                break
         value, slope, _, kk, ke, ee = self.phi(k, e)
         return value, slope, kk - ke**2 / ee, e
 

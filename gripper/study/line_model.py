@@ -51,9 +51,9 @@ class _Jaw(Jaw):
 
 
 def as_line(scene: Scene) -> Scene:
-    """The scene with its finger as a line: E I and G A are kept, E and G being as much larger."""
+    """The scene with its finger as a line: E I and G A are kept, E and G being as much larger, and the law linear."""
     finger = placed(scene.finger)
-    body, material = finger.body, finger.body.material
+    body, material = finger.body, replace(finger.body.material, law="linear", table=None)
     stiff = replace(material, youngs_modulus=material.youngs_modulus / THIN**3, shear_modulus=material.G / THIN)
     jaw = None if body.jaw is None else _Jaw(body=body.jaw)
     bent = body.rest_curvature

@@ -291,6 +291,9 @@ def _check(scene: Scene, parameter: float | None, N: int, shear: Shear) -> None:
         raise ValueError(f"parameter must be given where the scene has a motion, and only there; got {parameter!r}")
     if placed(scene.finger).body.rest_curvature:
         raise ValueError("rest_curvature must be left out: the paper's finger is straight at rest")
+    law = placed(scene.finger).body.material.law
+    if law != "linear":
+        raise ValueError(f"law must be 'linear', as the paper's is; got {law!r}")
     if scene.approach[1] < 0:
         raise ValueError(f"approach must come from below: contact is on the lower face; got {scene.approach!r}")
 

@@ -97,6 +97,8 @@ class Shooting:
             raise NoReferenceError(f"shooting has neither friction nor other theories than {', '.join(sorted(_KNOWN))}")
         if setting.sections.rest is not None:
             raise NoReferenceError("shooting knows fingers that are straight at rest alone")
+        if setting.sections.law is not None:
+            raise NoReferenceError("shooting knows the linear law alone")
         if any(site.kind in ("tail", "node") for site in sites):
             raise NoReferenceError("the finger lies flush on a flat: shooting knows points and patches on curves")
         self.setting, self.obstacle = setting, obstacle
