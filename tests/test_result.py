@@ -211,6 +211,7 @@ def test_the_scene_is_described_by_the_tables_of_a_scene_file() -> None:
         "poisson_ratio": 0.4,
         "shear_modulus": pytest.approx(4.8e6 / 2.8),
         "plane": "stress",
+        "law": "linear",
     }
     assert written["finger"]["profile"] == "tapered"
     assert written["finger"]["base_thickness"] == 0.03
