@@ -1,70 +1,45 @@
 """Forces along the two examples' motions, beside finite elements (Lan & Lee, figures 3, 4, 8 and 9).
 
-Of the finger on the object, in the finger's frame. Figure 8 has the finger as a line too: contact on the neutral axis,
-as if it had no thickness. Where the contact sticks the ground is grey; there a beam turns its slip as a whole, the
-elements turn theirs point by point over twice the way.
+Of the finger on the object, in the finger's frame. Figures 8 and 9 have the finger as a line too, which touches with
+its neutral axis. Where the contact sticks the ground is grey: a beam turns its slip as a whole, the elements point by
+point, over twice the way.
 """
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterable
 from dataclasses import replace
-from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
+from matplotlib.figure import Figure
+
 import gripper as gr
 from gripper import scenefile
-from gripper.plot import PAGE, Picture, styled
+from gripper.plot import compare
+from gripper.study.line_model import as_line
 from gripper.verify import Verification, verify
 
-HERE = Path(__file__).parent
-ASSEMBLY, ROTATING = (scenefile.read(HERE / f"{name}.toml") for name in ("micro_assembly", "rotating_finger"))
+ASSEMBLY, ROTATING = (
+    scenefile.read(Path(__file__).with_name(f"{n}.toml")) for n in ("micro_assembly", "rotating_finger")
+)
 
 
 class Curves(NamedTuple):
     """A figure and its numbers: gripper's results by the name of their model, and the finite elements."""
 
-    figure: Picture
+    figure: Figure
     results: dict[str, gr.Result]
     elements: Verification
-
-
-def line(scene: gr.Scene, share: float = 1e-4) -> gr.Scene:
-    """Make a tapered finger a line without shear: a share of its thickness, and as stiff in bending, EI, as it was."""
-    finger = scene.finger.body
-    thickness = {name: share * getattr(finger, name) for name in ("base_thickness", "tip_thickness")}
-    thin = replace(finger, **thickness, width=finger.width / share**3)
-    return replace(scene, finger=replace(scene.finger, body=thin), theory="bending")
 
 
 def curves(scenes: dict[str, gr.Scene], places: Iterable[float], mesh: tuple[int, int]) -> Curves:
     """Solve the models of one scene, the first of them with finite elements at these places too, and draw both."""
     results = {name: gr.trace(scene) for name, scene in scenes.items()}
-    first = next(iter(scenes.values()))
-    elements = verify(first, list(places), elements=mesh, laws=False)
-    with styled():
-        figure = Picture(figsize=(PAGE / 0.0254, 0.4 * PAGE / 0.0254), layout="constrained")
-        for i, (ax, axis) in enumerate(zip(figure.subplots(1, 2), "xy", strict=True)):
-            for (name, result), dashes in zip(results.items(), ("-", "--", ":"), strict=False):
-                known = [pose for pose in result.poses if pose.force_on_object is not None]
-                forces = [pose.force_on_object_finger_frame[i] for pose in known]
-                ax.plot([1e3 * pose.parameter for pose in known], forces, dashes, label=name)
-            found = [pose for pose in elements.poses if pose.elements.force]
-            at, forces = [1e3 * pose.parameter for pose in found], [pose.elements.force[i] for pose in found]
-            ax.plot(at, forces, "o", color="black", markerfacecolor="none", label="finite elements")
-            for begin, end in sticks(results[next(iter(results))]):
-                ax.axvspan(1e3 * begin, 1e3 * end, color="0.8", linewidth=0, label="sticks")
-            ax.set(xlabel=f"{first.motion.parameter} (mm)", ylabel=f"force on the object along {axis} (N)")
-        ax.legend()
+    elements = verify(next(iter(scenes.values())), list(places), elements=mesh, laws=False)
+    found = [(p.parameter, p.elements.force) for p in elements.poses if p.elements.force]
+    figure = compare(results, "force_on_object_finger_frame", points={"finite elements": found})
     return Curves(figure, results, elements)
-
-
-def sticks(result: gr.Result) -> list[tuple[float, float]]:
-    """Where a contact comes to stick, and where it slips again."""
-    changes = [event for event in result.events if event.kind in ("stick", "slip")]
-    return [(a.parameter, b.parameter) for a, b in pairwise(changes) if (a.kind, b.kind) == ("stick", "slip")]
 
 
 def assembly(mu: float = 0.0, poses: int = 73, found: int = 19, mesh: tuple[int, int] = (108, 4)) -> Curves:
@@ -77,21 +52,21 @@ def rotating(mu: float = 0.0, poses: int = 71, found: int = 15, mesh: tuple[int,
     """Figure 8, and with friction figure 9: Example II."""
     motion, friction = gr.Motion.between("x_e", -0.1016, 0.0762, poses), gr.Friction(coefficient=mu)
     scene = replace(ROTATING, friction=friction, motion=motion)
-    scenes = {"shear": scene, "bending": replace(scene, theory="bending"), "bending, finger as a line": line(scene)}
+    bending = replace(scene, theory="bending")
     turning = (0.046, 0.048, 0.0495, 0.0521, 0.0535, 0.055) if mu else ()
-    return curves(scenes, (*gr.Motion.between("x_e", -0.1016, 0.0762, found).values, *turning), mesh)
+    places = (*gr.Motion.between("x_e", -0.1016, 0.0762, found).values, *turning)
+    return curves({"shear": scene, "bending": bending, "bending, finger as a line": as_line(bending)}, places, mesh)
 
 
-def main(folder: str | Path = ".") -> dict[str, Curves]:
+def main(folder: str | Path = "out/force_curves") -> dict[str, Curves]:
     """Write the four figures and the tables of their finite elements into the folder."""
-    four = {"3": (assembly, 0.0), "4": (assembly, 0.3), "8": (rotating, 0.0), "9": (rotating, 0.2)}
-    drawn = {f"figure_{name}": draw(mu) for name, (draw, mu) in four.items()}
+    drawn = {"figure_3": assembly(), "figure_4": assembly(0.3), "figure_8": rotating(), "figure_9": rotating(0.2)}
+    Path(folder).mkdir(parents=True, exist_ok=True)
     for name, each in drawn.items():
-        each.figure.savefig(Path(folder) / f"{name}.png")
-        (Path(folder) / f"{name}.md").write_text(each.elements.markdown())
-        print(each.elements, end="\n\n")
+        each.figure.savefig(Path(folder, f"{name}.png"))
+        Path(folder, f"{name}.md").write_text(each.elements.markdown())
     return drawn
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:2])
+    print(*(each.elements for each in main().values()), "Figures: out/force_curves", sep="\n\n")

@@ -16,15 +16,7 @@ import gripper as gr
 
 @dataclass(frozen=True, kw_only=True)
 class Egg(gr.ImplicitSurface):
-    """An ellipse whose one end is blunter: (x/a)^2 + (y/b)^2 exp(-k x/a) = 1.
-
-    Parameters
-    ----------
-    semi_axes
-        a and b, in m.
-    bluntness
-        k, without unit; 0 is the ellipse.
-    """
+    """An ellipse whose one end is blunter: (x/a)^2 + (y/b)^2 exp(-k x/a) = 1, with a and b in m."""
 
     semi_axes: tuple[gr.Positive, gr.Positive]
     bluntness: gr.Finite
@@ -36,21 +28,12 @@ class Egg(gr.ImplicitSurface):
 
     def half_size(self) -> float:
         """Return half the side of a square about the origin that holds the outline, in m."""
-        a, b = self.semi_axes
-        return 1.1 * max(a, b * float(sympy.exp(abs(self.bluntness) / 2)))
+        return 1.1 * max(self.semi_axes) * float(sympy.exp(abs(self.bluntness) / 2))
 
 
 @dataclass(frozen=True, kw_only=True)
 class Hinged(gr.Finger):
-    """A finger with a soft place: w(s) = w0 (1 - d exp(-((s - c)/l)^2)).
-
-    Parameters
-    ----------
-    thickness, depth
-        w0, in m, and the part d of it that is missing at the hinge.
-    center, extent
-        c and l: where the hinge is, and how long, in m.
-    """
+    """A finger with a soft place: w(s) = w0 (1 - d exp(-((s - c) / l)^2)), with w0, c and l in m."""
 
     thickness: gr.Positive
     depth: gr.Finite
@@ -63,23 +46,18 @@ class Hinged(gr.Finger):
 
 
 rubber = gr.Material(youngs_modulus=4.8e6, poisson_ratio=0.4)
-q = sympy.Symbol("q")
-
-
-def scene(bluntness: float = 0.4, depth: float = 0.5) -> gr.Scene:
-    """Lift an egg into a hinged finger."""
-    hinge = {"depth": depth, "center": 0.05, "extent": 0.04}
-    return gr.Scene(
-        title="An egg under a finger with a hinge",
-        finger=Hinged(length=0.15, thickness=0.02, width=0.025, material=rubber, **hinge),
-        object=Egg(semi_axes=(0.04, 0.025), bluntness=bluntness).at(x=0.11, y=q, angle=0.3),
-        motion=gr.Motion.between("q", -0.045, 0.0, 10),
-    )
+hinge = {"thickness": 0.02, "depth": 0.5, "center": 0.05, "extent": 0.04}
+scene = gr.Scene(
+    title="An egg under a finger with a hinge",
+    finger=Hinged(length=0.15, width=0.025, material=rubber, **hinge),
+    object=Egg(semi_axes=(0.04, 0.025), bluntness=0.4).at(x=0.11, y=sympy.Symbol("q"), angle=0.3),
+    motion=gr.Motion.between("q", -0.045, 0.0, 10),
+)
 
 
 def main(folder: str | Path = "out/plugin_author") -> gr.Result:
     """Trace the motion and draw it into the folder."""
-    result = gr.trace(scene())
+    result = gr.trace(scene)
     Path(folder).mkdir(parents=True, exist_ok=True)
     result.filmstrip([0, 3, 6, 9]).savefig(Path(folder, "plugin_author.png"))
     return result

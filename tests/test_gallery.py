@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from gripper import Motion, PoseResult, Result, trace
+from gripper import Motion, PoseResult, Result, Scene, solve, trace
 from gripper.testing import check_finger, check_object
 from gripper_plugins.fingers import Uniform
 from gripper_plugins.objects import Ellipse
@@ -175,8 +175,13 @@ def at_the_undercut(name: str) -> float:
 
 
 def test_the_hook_lifted_on_its_axis_without_shear_has_the_exact_force_of_a_dead_load() -> None:
-    exact = handbook()["large deflection, dead tip load, no shear: N"]
-    assert at_the_undercut("bending") == pytest.approx(exact, rel=3e-4)
+    """Its nose, 1 of 19 mm, is rigid: 6e-4 stiffer, which small deflections know too."""
+    exact, hook = handbook()["large deflection, dead tip load, no shear: N"], run("snap_hook")
+    assert at_the_undercut("bending") == pytest.approx(exact, rel=1e-3)
+    first = hook.given["bending"].poses[1]
+    stiffer = -first.force_on_object[1] / first.parameter * hook.module.undercut / hook.module.DEFLECTION_FORCE
+    assert 1.0003 < stiffer < 1.001
+    assert at_the_undercut("bending") / stiffer == pytest.approx(exact, rel=1e-4)
 
 
 def test_large_deflection_and_shear_cancel_at_the_handbook_s_undercut() -> None:
@@ -217,16 +222,18 @@ def test_outlines_through_points_of_a_circle_have_about_its_exact_force(name: st
     assert contact.normal_force == pytest.approx(exact_on_the_circle(), rel=tolerance)
 
 
-@pytest.mark.parametrize(("name", "number"), [("notched", 2), ("pins", 3)])
+@pytest.mark.parametrize(("name", "number"), [("notch", 2), ("three pins", 3)])
 def test_contacts_placed_by_linear_beam_theory_press_alike_where_deflections_are_small(name: str, number: int) -> None:
     outlines = run("outlines").module
-    contacts = outlines.touching(getattr(outlines, name)(0.01)).contacts
+    target = outlines.outlines(0.01)[name]
+    contacts = solve(Scene(finger=outlines.finger, object=target, theory="bending")).contacts
     assert [contact.normal_force for contact in contacts] == pytest.approx([0.01] * number, rel=2e-4)
 
 
 def test_a_plugin_s_object_and_finger_are_the_built_in_ones_where_they_coincide() -> None:
     author = run("plugin_author").module
-    own = author.scene(bluntness=0.0, depth=0.0)
+    egg = replace(author.scene.object, body=replace(author.scene.object.body, bluntness=0.0))
+    own = replace(author.scene, object=egg, finger=replace(author.scene.finger, depth=0.0))
     finger = Uniform(length=0.15, thickness=0.02, width=0.025, material=author.rubber)
     built_in = replace(own, finger=finger, object=Ellipse(semi_axes=(0.04, 0.025)).at(**vars(own.object.pose)))
     last = [replace(each, motion=Motion("q", (-0.04, -0.02, 0.0))) for each in (own, built_in)]
@@ -235,6 +242,6 @@ def test_a_plugin_s_object_and_finger_are_the_built_in_ones_where_they_coincide(
 
 
 def test_a_plugin_passes_every_check_of_the_kit() -> None:
-    scene = run("plugin_author").module.scene()
+    scene = run("plugin_author").module.scene
     check_object(scene.object.body)
     check_finger(scene.finger)

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import replace
 from functools import cache
 
 import pytest
 from scipy.optimize import brentq
 
-import gripper as gr
-from gripper_plugins.fingers.tapered import Tapered
-from gripper_plugins.objects.circle import Circle
+from gripper.plot import sticks
 from tests import scenes
 from tests.test_gallery import ROOT, script
 
@@ -58,14 +55,6 @@ def test_the_finger_as_a_line_lets_go_where_its_straight_axis_touches_the_ellips
     assert release.parameter == pytest.approx(brentq(apart, 0.04, 0.06), abs=2e-5)
 
 
-def test_a_line_on_a_circle_grown_by_half_the_thickness_is_the_thick_finger():
-    size = {"base_thickness": 0.06, "tip_thickness": 0.06, "width": 1.0}
-    finger = Tapered(length=1.0, material=gr.Material(youngs_modulus=12 / 0.06**3, poisson_ratio=0.3), **size)
-    thick = gr.Scene(finger=finger.at(), object=Circle(radius=0.25).at(x=0.7, y=0.0), theory="bending")
-    thin = SCRIPT.line(replace(thick, object=Circle(radius=0.28).at(x=0.7, y=0.0)))
-    assert_close(gr.solve(thin).force_on_object, gr.solve(thick).force_on_object, 1e-4)
-
-
 def test_the_finite_elements_of_figure_8_are_the_reference_and_close_to_shear_alone():
     curves = rotating(0.0)
     rows = {row["x_e"]: row["force_on_object"] for row in FEM["rotating_finger"]["svk, mu = 0, 5184 elements"]}
@@ -76,7 +65,7 @@ def test_the_finite_elements_of_figure_8_are_the_reference_and_close_to_shear_al
 
 
 def test_figure_9_marks_where_the_contact_sticks():
-    ((begin, end),) = SCRIPT.sticks(rotating(0.2).results["shear"])
+    ((begin, end),) = sticks(rotating(0.2).results["shear"])
     assert (begin, end) == pytest.approx((0.0477, 0.05051), abs=2e-5)  # beam.json, rising
     rows = {
         row["x_e"]: row["force_on_object"] for row in FEM["rotating_finger"]["svk, mu = 0.2, x_e rising, 1296 elements"]

@@ -339,14 +339,51 @@ def test_an_unknown_quantity_lists_the_known_ones() -> None:
         motion([0.2, 0.9]).curve("force")
 
 
-def test_curves_over_each_other_have_their_own_colours_and_names() -> None:
-    with plot.styled():
-        ax = plot.Picture().subplots()
-    for name, bends in (("soft", [0.1, 0.2]), ("stiff", [0.2, 0.4])):
-        plot.curve(motion(bends), "clamp_moment", ax=ax, label=name)
-        plot.curve(motion(bends), "energy", ax=ax, label=name + " energy")
-    named = [line for line in ax.lines if not line.get_label().startswith("_")]
-    assert len({line.get_color() for line in named}) == len(named) == 4
+def test_motions_compared_have_a_panel_for_each_component_points_beside_and_breaks_at_snaps() -> None:
+    snap = replace(motion([0.2, 0.4, 0.1]), events=(Event(parameter=0.15, kind="snap"),))
+    soft, stiff = snap, motion([0.4, 0.8, 0.2])
+    points = {"measured": [(0.1, (3.0, -4.0)), (0.2, (1.0, -2.0))]}
+    left, right = plot.compare({"soft": soft, "stiff": stiff}, points=points).axes
+    for i, ax in enumerate((left, right)):
+        drawn = {line.get_label(): line for line in ax.lines}
+        assert list(drawn) == ["soft", "stiff", "measured"]
+        expected = [pose.force_on_object[i] for pose in soft.poses]
+        assert drawn["soft"].get_ydata() == pytest.approx([*expected[:2], np.nan, expected[2]], nan_ok=True)
+        assert drawn["measured"].get_xydata() == pytest.approx(
+            np.array([(1e3 * x, f[i]) for x, f in points["measured"]])
+        )
+        assert len({line.get_color() for line in ax.lines}) == len({line.get_linestyle() for line in ax.lines}) == 3
+    assert (left.get_ylabel(), right.get_ylabel()) == tuple(f"force on the object, along {x} (N)" for x in "xy")
+
+
+def test_where_the_first_motion_sticks_the_ground_of_a_comparison_is_grey() -> None:
+    events = [Event(parameter=x, kind=kind) for x, kind in ((0.02, "touch"), (0.05, "stick"), (0.12, "slip"))]
+    held = replace(motion([0.2, 0.4, 0.1]), events=tuple(events))
+    assert plot.sticks(held) == [(0.05, 0.12)]
+    (ax,) = plot.compare({"held": held, "free": motion([0.1, 0.2, 0.3])}, "energy", levels={"limit": 0.1}).axes
+    (ground,) = ax.patches
+    assert (ground.get_x(), ground.get_width()) == pytest.approx((50.0, 70.0))
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["held", "free", "limit", "sticks"]
+    (level,) = (line for line in ax.lines if line.get_label() == "limit")
+    assert set(level.get_ydata()) == {0.1}
+
+
+def test_compared_motions_have_one_unit() -> None:
+    (ax,) = plot.compare({"soft": motion([0.1, 0.2]), "stiff": motion([0.1, 0.9])}, "energy").axes
+    assert ax.get_ylabel() == "strain energy (J)"
+    assert [line.get_ydata()[-1] for line in ax.lines] == pytest.approx([0.04, 0.81])
+    with pytest.raises(ValueError, match="results must hold at least one result"):
+        plot.compare({})
+
+
+@pytest.mark.parametrize("width", [plot.COLUMN, plot.PAGE])
+def test_comparisons_and_charts_are_legible_at_their_width(width: float) -> None:
+    two = {"soft": motion([0.1, 0.2]), "stiff": motion([0.1, 0.9])}
+    assert_legible(plot.compare(two, title=LONG, width=width), width)
+    numbers = {"measured": ([0, 1, 2], [1e3, 2e3, 5e3]), "said": ([0, 1, 2], [1e3, 2e3, 4e3])}
+    figure = plot.chart(numbers, "way (mm)", "force (N)", levels={"limit": 4.5e3}, title="A chart", width=width)
+    assert_legible(figure, width)
+    assert [text.get_text() for text in figure.axes[0].get_legend().get_texts()] == ["measured", "said", "limit"]
 
 
 @pytest.mark.parametrize(
@@ -511,6 +548,34 @@ def test_a_film_that_cannot_be_made_says_why_and_leaves_nothing(tmp_path: pathli
     with pytest.raises(KeyboardInterrupt):
         given.animate(tmp_path / "a.gif", pixels=200, progress=interrupted)
     assert not list(tmp_path.iterdir())
+
+
+ENCODER = """#!{python}
+import pathlib, sys
+given = sys.argv[1:]
+if ".none." in given[-1]:
+    sys.exit("no such codec")
+width, height = map(int, given[given.index("-s") + 1].split("x"))
+frames, rest = divmod(len(sys.stdin.buffer.read()), 3 * width * height)
+pathlib.Path(given[-1]).write_text(f"{{width}} {{height}} {{frames}} {{rest}} {{given[given.index('-r') + 1]}}")
+"""
+
+
+def test_an_mp4_is_every_frame_given_to_the_ffmpeg_on_the_path(tmp_path: pathlib.Path, monkeypatch) -> None:
+    """Whatever program is found there gets raw frames of one even size, and the last one for 0.8 s more."""
+    encoder = tmp_path / "bin" / "ffmpeg"
+    encoder.parent.mkdir()
+    encoder.write_text(ENCODER.format(python=sys.executable))
+    encoder.chmod(0o755)
+    monkeypatch.setenv("PATH", str(encoder.parent))
+    path = motion([0.0, 0.3, 0.6]).animate(tmp_path / "a.mp4", seconds=0.5, pixels=301)
+    width, height, frames, rest, rate = map(int, path.read_text().split())
+    assert (width, height % 2, rest, rate) == (300, 0, 0, 6)
+    assert frames == 3 + round(0.8 * rate)
+    with pytest.raises(OSError, match=r"ffmpeg could not write .*\.mp4: no such codec"):
+        motion([0.0, 0.3]).animate(tmp_path / "a.none.mp4", pixels=200)
+    assert sorted(each.name for each in tmp_path.iterdir()) == ["a.mp4", "bin"]
+    assert motion([0.0, 0.3]).animate(tmp_path / "a.gif", pixels=200).read_bytes().startswith(b"GIF89a")
 
 
 def test_named_poses_have_their_names_in_the_captions() -> None:

@@ -5,8 +5,10 @@ SVG they repeat bit for bit. ``result.filmstrip()``, ``result.curve()`` and ``re
 """
 
 from gripper.plot.animation import animate, check_film
-from gripper.plot.curve import QUANTITIES, curve
+from gripper.plot.compare import chart, compare, sticks
+from gripper.plot.curve import curve
 from gripper.plot.filmstrip import beside, filmstrip
+from gripper.plot.quantity import QUANTITIES
 from gripper.plot.sketch import Axis
 from gripper.plot.style import COLUMN, INCH, PAGE, Picture, styled
 
@@ -19,8 +21,11 @@ __all__ = [
     "Picture",
     "animate",
     "beside",
+    "chart",
     "check_film",
+    "compare",
     "curve",
     "filmstrip",
+    "sticks",
     "styled",
 ]
