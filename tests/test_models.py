@@ -68,7 +68,7 @@ def test_a_tapered_finger_has_no_handbook_formula() -> None:
 
 @pytest.mark.parametrize("theory", RUNGS)
 def test_a_line_has_its_finger_s_stiffness_and_touches_half_a_thickness_later(theory: str) -> None:
-    """Bending only, a uniform finger of thickness w on a circle R is a line on R + w / 2 (here of w / 1000)."""
+    """Bending only, a uniform finger of thickness w on a circle R is a line on R + w / 2 (here of w / 10000)."""
     scene = replace(pressed(0.1, radius=0.25), theory=theory)
     line = as_line(scene)
     thicker = replace(line, object=Circle(radius=0.28).at(x=0.7, y=-0.25 - 0.03 + 0.1))

@@ -21,8 +21,10 @@ from gripper.kinematics import Kinematics
 from gripper.site import Site
 from gripper.study.cost import single_pose
 from gripper.study.outcome import QUANTITIES
-from gripper.study.precision import SHIFTS, NoReferenceError, Work, WorkPrecision, reference, study
+from gripper.study.precision import SHIFTS, reference, study
 from gripper.study.shooting import Shooting
+from gripper.study.shot import NoReferenceError
+from gripper.study.work import Work, WorkPrecision
 from gripper_plugins.fingers import Uniform
 from gripper_plugins.objects import Circle
 

@@ -41,8 +41,8 @@ def study(
 ) -> None:
     """Measure error against run time: this project, the paper's scheme, CasADi/IPOPT where it is installed.
 
-    Writes work_precision.csv and work_precision.png; with --models, models.csv; with --robustness, robustness.csv; and
-    prints the table. One thread; a minute or more.
+    Writes work_precision.csv and work_precision.png; with --models, models.csv; with --robustness, robustness.csv
+    and robustness.png; and prints the table. One thread; a minute or more.
 
     Exit status: 0; 1 where there is nothing to compare with or a scene came out wrong; 2 for a bad scene or option;
     130 when interrupted.
@@ -91,13 +91,17 @@ def _robustness(folder: Path, scenes: int, seed: int, quick: bool) -> None:
     from gripper.study.robustness import scenes as made
     from gripper.study.robustness import study as judged
     from gripper.study.robustness import summary
+    from gripper.study.verdicts import verdicts
 
-    record = folder / "robustness.csv"
+    record, picture = folder / "robustness.csv", folder / "robustness.png"
     # the scenes are its own: an OSError is the folder's
-    with output_folder(folder, (record.name,)), writing(folder), progress("scenes") as report:
-        found = judged(made(scenes, seed, quick=quick), record, report)
+    with output_folder(folder, (record.name, picture.name)), writing(folder):
+        with progress("scenes") as report:
+            found = judged(made(scenes, seed, quick=quick), record, report)
+        verdicts(found).savefig(picture)
     typer.echo(summary(found))
     typer.echo(record)
+    typer.echo(picture)
     if any(each.verdict == "wrong" for each in found):
         raise typer.Exit(FAILED_POSE)
 
@@ -126,7 +130,7 @@ def _study(scene_file: Path, folder: Path, at: list[float] | None, quick: bool) 
     from gripper.output import write_files
     from gripper.study.diagram import diagram
     from gripper.study.precision import study as measured
-    from gripper.study.shooting import NoReferenceError
+    from gripper.study.shot import NoReferenceError
 
     if at is not None and len(at) > 1:
         stop(f"--at must be one pose here; got {len(at)}", BAD_INPUT)
@@ -136,7 +140,7 @@ def _study(scene_file: Path, folder: Path, at: list[float] | None, quick: bool) 
             with progress("points") as report:
                 found = measured(scene, at[0] if at else None, quick=quick, progress=report)
             picture = io.BytesIO()
-            diagram(found).savefig(picture, format="png", dpi=110)
+            diagram(found).savefig(picture, format="png")
             with writing(folder):
                 paths = write_files(folder, dict(zip(names, (found.csv().encode(), picture.getvalue()), strict=True)))
     except NoReferenceError as error:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import pickle
 import statistics
+import subprocess
+import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -81,3 +84,25 @@ def single_pose(scene: Scene, parameter: float) -> Scene:
     places = Kinematics(scene, finger.body.length).placement(parameter)
     clamp, other = (Pose(x=x, y=y, angle=angle) for x, y, angle in (places.clamp, places.object))
     return replace(scene, finger=replace(finger, pose=clamp), object=replace(body, pose=other), motion=None)
+
+
+_START_UP = """
+import time
+begun = time.process_time()
+import gripper
+imported = time.process_time()
+import pickle, sys
+scene = pickle.load(sys.stdin.buffer)
+times = [time.process_time()]
+for _ in range(2):
+    gripper.solve(scene)
+    times.append(time.process_time())
+print(imported, times[1] - times[0] - (times[2] - times[1]))
+"""
+
+
+def start_up(scene: Scene) -> tuple[float, float]:
+    """CPU seconds of a fresh interpreter until gripper is imported, and of compiling a scene's finger and object."""
+    done = subprocess.run([sys.executable, "-c", _START_UP], input=pickle.dumps(scene), capture_output=True, check=True)
+    imported, compiled = map(float, done.stdout.split())
+    return imported, max(compiled, 0.0)

@@ -1,4 +1,4 @@
-"""The work-precision diagram: error across, CPU time up, both logarithmic; lower left is better."""
+"""The studies' figures: error against run time, and extreme scenes with their verdicts."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
+from gripper.plot import INCH, PAGE, Picture, styled
 from gripper.study.outcome import QUANTITIES
-from gripper.study.precision import Work, WorkPrecision
+from gripper.study.work import Work, WorkPrecision
 
 _WORDS = {
     "force": "error of the force vector, relative",
@@ -16,64 +17,83 @@ _WORDS = {
     "shape": "error of the shape, by L",
     "depth": "deepest penetration, by L",
 }
-_LEAST, _MOST = 1e-13, 3.0
-_COLOURS = ("#b03a2e", "#e08e79", "#8e5ea2", "#c39bd3", "#2e86c1", "#117a3d", "#7f6a00", "#d4ac0d")
-_MARKS = "svDP^oX*"
+_MOST = 3.0
+_LOOKS = (
+    ("#D55E00", "s"),
+    ("#D55E00", "v"),
+    ("#CC79A7", "D"),
+    ("#CC79A7", "P"),
+    ("#56B4E9", "^"),
+    ("#0072B2", "o"),
+    ("#009E73", "X"),
+    ("#E69F00", "*"),
+)
+"""Okabe & Ito's colours, a mark for each method; schemes that differ in their gradients alone share a colour."""
 
 
 def diagram(study: WorkPrecision) -> Figure:
-    """Draw a study: filled marks are cold poses, hollow ones warm; bars reach to the worst of the shifts."""
-    figure = Figure(figsize=(15, 9), layout="constrained")
-    axes = figure.subplots(2, 3).ravel()
+    """Draw a work-precision study: error across, CPU time up, both logarithmic; lower left is better.
+
+    Filled marks are cold poses, hollow ones warm; bars reach to the worst of the shifts.
+    """
     names = list(dict.fromkeys(work.method for work in study.works))
-    for ax, quantity in zip(axes, QUANTITIES, strict=False):
-        for i, name in enumerate(names):
-            mine = [work for work in study.works if work.method == name]
-            _series(ax, mine, quantity, _COLOURS[i % len(_COLOURS)], _MARKS[i % len(_MARKS)])
-        _furnish(ax, study, quantity)
-    _legend(axes[-1], names, study)
-    figure.suptitle(study.scene.title)
+    looks = dict(zip(names, _LOOKS[len(_LOOKS) - len(names) :] if len(names) > 6 else _LOOKS[2:], strict=False))
+    with styled():
+        figure = Picture(figsize=(PAGE / INCH, 1.3 * PAGE / INCH), layout="constrained")
+        axes = figure.subplots(3, 2).ravel()
+        for ax, quantity in zip(axes, QUANTITIES, strict=False):
+            for name, look in looks.items():
+                _series(ax, [work for work in study.works if work.method == name], study, quantity, *look)
+            _furnish(ax, study, quantity)
+        _legend(axes[-1], looks, study)
+        figure.suptitle(study.scene.title, parse_math=False)
     return figure
 
 
-def _series(ax: Any, works: list[Work], quantity: str, colour: str, mark: str) -> None:
+def _series(ax: Any, works: list[Work], study: WorkPrecision, quantity: str, colour: str, mark: str) -> None:
     for kind, face in (("cold", colour), ("warm", "white")):
         known = [(w, 1e3 * t) for w in works if w.median and (t := getattr(w, kind)) is not None]
-        x = [max(w.median[quantity], _LEAST) for w, _ in known]
+        x = [study.told(w.median)[quantity] for w, _ in known]
         y = [t for _, t in known]
-        ax.plot(x, y, color=colour, lw=1 if kind == "cold" else 0.5, ls="-" if kind == "cold" else ":")
-        ax.plot(x, y, mark, color=colour, markerfacecolor=face, ms=6, ls="")
+        ax.plot(x, y, color=colour, linewidth=0.9 if kind == "cold" else 0.5, linestyle="-" if kind == "cold" else ":")
+        ax.plot(x, y, mark, color=colour, markerfacecolor=face, markersize=3.5, markeredgewidth=0.7, linewidth=0)
         if kind == "cold":
-            for (work, t), place in zip(known, x, strict=True):
-                ax.plot([place, max(work.worst[quantity], _LEAST)], [t, t], color=colour, lw=1.2, alpha=0.5)
-                text = work.point.split(" = ")[1]
-                ax.annotate(text, (place, t), xytext=(3, 4), textcoords="offset points", fontsize=7, color=colour)
+            for i, (work, t) in enumerate(known):
+                ax.plot([x[i], study.told(work.worst)[quantity]], [t, t], color=colour, linewidth=0.9, alpha=0.5)
+                if i in (0, len(known) - 1):
+                    text, after = work.point.split(" = ")[1], i == 0
+                    where: dict[str, Any] = {"xytext": (0, -4 if after else 4), "va": "top" if after else "bottom"}
+                    ax.annotate(
+                        text, (x[i], t), textcoords="offset points", ha="center", fontsize=6, color=colour, **where
+                    )
     for work in (w for w in works if w.failures or w.warm_failure):
-        height = 1e3 * (work.cold or work.warm or 1e-3)
-        ax.plot([_MOST], [height], "x", color=colour, ms=8, mew=2, clip_on=False)
+        ax.plot([_MOST], [1e3 * (work.cold or work.warm or 1e-3)], "x", color=colour, clip_on=False)
 
 
 def _furnish(ax: Any, study: WorkPrecision, quantity: str) -> None:
-    ax.set(xscale="log", yscale="log", xlabel=_WORDS[quantity], ylabel="CPU ms a pose")
-    ax.set_xlim(_LEAST / 2, _MOST)
-    ax.grid(alpha=0.3)
-    if quantity != "depth":
-        ax.axvspan(_LEAST / 2, study.uncertainty[quantity], color="0.7", alpha=0.5, lw=0)
+    least = min((study.told(work.median)[quantity] for work in study.works if work.median), default=1.0)
+    ax.set(xscale="log", yscale="log", xlabel=_WORDS[quantity], ylabel="CPU time a pose (ms)")
+    ax.set_xlim(min(least, study.uncertainty[quantity]) / 5, _MOST)
+    ax.margins(y=0.1)
+    ax.grid(alpha=0.3, linewidth=0.4)
+    ax.axvspan(study.uncertainty[quantity] / 1e6, study.uncertainty[quantity], color="0.85", linewidth=0, zorder=0)
 
 
-def _legend(ax: Any, names: list[str], study: WorkPrecision) -> None:
+def _legend(ax: Any, looks: dict[str, tuple[str, str]], study: WorkPrecision) -> None:
     ax.axis("off")
-    for i, name in enumerate(names):
-        ax.plot([], [], _MARKS[i % len(_MARKS)], ls="-", color=_COLOURS[i % len(_COLOURS)], label=name)
-    ax.plot([], [], "ko", markerfacecolor="white", ls=":", label="hollow: warm, from the neighbouring pose's answer")
-    ax.plot([], [], "kx", ls="", mew=2, label="at the right edge: failed, warm or at a place of the object")
-    ax.fill_between([], [], color="0.7", alpha=0.5, label="the reference's own uncertainty")
-    ax.legend(loc="upper left", frameon=False, fontsize=9)
+    for name, (colour, mark) in looks.items():
+        ax.plot([], [], mark, linestyle="-", color=colour, label=name)
+    ax.plot([], [], "ko", markerfacecolor="white", linestyle=":", label="hollow: warm, from the neighbouring pose")
+    ax.plot([], [], "kx", linewidth=0, label="at the right edge: failed, warm or at a shift")
+    ax.fill_between([], [], color="0.85", label="the reference's own uncertainty")
+    ax.legend(loc="upper left")
+    import_s, compile_s = study.start_up
     notes = (
-        "labels: number of elements, or the tolerance asked for",
-        f"marks: median over {study.shifts} places of the object, bars to the worst",
-        f"CPU time: median of {study.repeats} after a warm-up, one thread",
-        f"not in it: import {study.start_up[0]:.2f} s, compiling finger and object {1e3 * study.start_up[1]:.0f} ms",
+        "numbers: of elements, or the tolerance asked for",
+        f"marks: median over {study.shifts} shifts of the object, bars to the worst,",
+        "none below ten times the reference's uncertainty",
+        f"CPU time: median of {study.repeats} after a warm-up, one thread;",
+        f"not in it: import {import_s:.2f} s, compiling {1e3 * compile_s:.0f} ms",
         *study.notes,
     )
-    ax.text(0.02, 0.02, "\n".join(notes), transform=ax.transAxes, fontsize=8, va="bottom")
+    ax.text(0.02, 0.0, "\n".join(notes), transform=ax.transAxes, fontsize=6.5, va="bottom")

@@ -10,13 +10,13 @@ from gripper.fingers import Finger, Jaw
 from gripper.pose import placed
 from gripper.scene import Scene
 
-THIN = 1e-3
+THIN = 1e-4
 """What is left of the thickness."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Line(Finger):
-    """A finger with a thousandth of the thickness of another, and its stiffness.
+    """A finger with a ten-thousandth of the thickness of another, and its stiffness.
 
     Parameters
     ----------

@@ -15,7 +15,7 @@ from gripper.equilibrium import Setting, State
 from gripper.objects import Object
 from gripper.obstacle import Obstacle
 from gripper.outline import LOWER, UPPER
-from gripper.study.shooting import MARKS, Shot
+from gripper.study.shot import MARKS, Answer, Shot
 
 QUANTITIES = ("force", "energy", "place", "shape", "depth")
 """What is compared: force and energy relative, place of contact, shape and deepest penetration by L."""
@@ -24,29 +24,17 @@ _EDGE = np.linspace(0.0, 1.0, 401)
 
 
 @dataclass(frozen=True, eq=False)
-class Outcome:
-    """A pose by some method: lengths by L, forces by EI(0) / L^2, in the clamp's axes.
+class Outcome(Answer):
+    """What a method that is measured says of a pose.
 
     Parameters
     ----------
-    force
-        On the finger, x + iy.
-    place
-        Mean of the points of contact, weighted by the sizes of their forces.
-    energy
-        Strain energy.
-    axis
-        At `gripper.study.shooting.MARKS`.
     depth
         Deepest penetration of the drawn outline, sampled.
     iterations, evaluations
         Of the method's solver; points at which g was evaluated.
     """
 
-    force: complex
-    place: complex
-    energy: float
-    axis: Complex
     depth: float
     iterations: int
     evaluations: int

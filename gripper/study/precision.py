@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import statistics
-import subprocess
-import sys
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -18,132 +14,18 @@ from gripper.equilibrium import NoEquilibriumError
 from gripper.kinematics import Kinematics
 from gripper.scene import Scene
 from gripper.solve import approach
-from gripper.study.cost import repeated, single_pose
+from gripper.study.cost import repeated, single_pose, start_up
 from gripper.study.methods import Method, methods, shifted
 from gripper.study.outcome import QUANTITIES, NoOutcomeError, errors, uncertainty
-from gripper.study.shooting import NoReferenceError, Shot, shooting
+from gripper.study.shooting import shooting
+from gripper.study.shot import NoReferenceError, Shot
+from gripper.study.work import Work, WorkPrecision
 from gripper.trace import trace
 
 SHIFTS = (0.0, 0.0022, 0.0044, 0.0067, 0.0089)
 """Of the object along the finger, by L: over the spacing of 90 nodes, so that none is lucky."""
-_FINER = 10.0  # how much finer than the best point the reference is to be
 _FINE = 1e-9  # tolerance of the pose whose contacts the reference takes
 Progress = Callable[[int, int], None]
-
-
-@dataclass(frozen=True)
-class Work:
-    """One point of the diagram.
-
-    Parameters
-    ----------
-    method, point
-        Which method, and its resolution in words.
-    unknowns, iterations, evaluations
-        Of its optimiser; points at which g was evaluated.
-    setup, cold, warm
-        CPU time, in s: getting ready (a model that is built), a pose from nothing and from its neighbour's answer
-        (medians); None where it failed.
-    median, worst
-        Errors by quantity over the shifts that were answered.
-    failures
-        Reasons, one a shift that was not answered.
-    warm_failure
-        Why the neighbour's answer leads nowhere; empty where it does.
-    """
-
-    method: str
-    point: str
-    unknowns: int
-    iterations: int
-    evaluations: int
-    setup: float
-    cold: float | None
-    warm: float | None
-    median: dict[str, float]
-    worst: dict[str, float]
-    failures: tuple[str, ...]
-    warm_failure: str = ""
-
-
-@dataclass(frozen=True)
-class WorkPrecision:
-    """A work-precision study of one pose.
-
-    Parameters
-    ----------
-    scene
-        Of one pose.
-    works
-        In the order of the methods.
-    uncertainty
-        Of the reference, by quantity: errors below it mean nothing.
-    start_up
-        CPU time, in s, of an interpreter that imports gripper, and of compiling this finger and object.
-    repeats, shifts
-        How often each call was timed, and how many places of the object the errors are over.
-    notes
-        What was left aside.
-    """
-
-    scene: Scene
-    works: tuple[Work, ...]
-    uncertainty: dict[str, float]
-    start_up: tuple[float, float]
-    repeats: int
-    shifts: int
-    notes: tuple[str, ...]
-
-    def csv(self) -> str:
-        """Write one row a point, units in the column names; empty cells where there is no answer."""
-        text = io.StringIO()
-        writer = csv.writer(text, lineterminator="\n")
-        pairs = [f"{name}_error_{kind}" for name in QUANTITIES for kind in ("median", "worst")]
-        times = ["setup_ms", "cold_ms", "warm_ms"]
-        writer.writerow(["method", "point", "unknowns", "iterations", "evaluations", *times, *pairs, "failed", "why"])
-        for work in self.works:
-            cells = [f"{1e3 * t:.4g}" if t is not None else "" for t in (work.setup, work.cold, work.warm)]
-            for name in QUANTITIES:
-                cells += [f"{d[name]:.3e}" if name in d else "" for d in (work.median, work.worst)]
-            counts = [work.unknowns, work.iterations, work.evaluations]
-            warm = [f"warm: {work.warm_failure}"] if work.warm_failure else []
-            reasons = "; ".join(dict.fromkeys([*work.failures, *warm]))
-            writer.writerow([work.method, work.point, *counts, *cells, len(work.failures), reasons])
-        return text.getvalue()
-
-    def table(self) -> str:
-        """Write the points as a Markdown table."""
-        head = (
-            "| method | at | unknowns | iterations | set-up ms | cold ms | warm ms | force | energy | place | depth |"
-        )
-        lines = [head, "|---" * 11 + "|"]
-        for work in self.works:
-            times = [f"{1e3 * t:.3g}" if t is not None else "" for t in (work.setup, work.cold, work.warm)]
-            if not work.median:
-                cells = ["failed", "", "", ""]
-            else:
-                cells = [_spread(work.median[n], work.worst[n]) for n in ("force", "energy", "place", "depth")]
-            failed = f" ({len(work.failures)} of {self.shifts} failed)" if work.failures and work.median else ""
-            times[2] = "failed" if work.warm_failure else times[2]
-            counts = [str(work.unknowns), str(work.iterations)]
-            lines.append("| " + " | ".join([work.method + failed, work.point, *counts, *times, *cells]) + " |")
-        return "\n".join(lines)
-
-    def __str__(self) -> str:
-        known = ", ".join(f"{name} {value:.0e}" for name, value in self.uncertainty.items() if name != "depth")
-        begun, compiled = self.start_up
-        text = [
-            f"errors as median (worst) over {self.shifts} places of the object; CPU time as median of {self.repeats}",
-            "force and energy relative, place of contact and depth by L",
-            f"reference: shooting, uncertain by: {known}",
-            f"once an interpreter: {begun:.2f} s to import, {1e3 * compiled:.0f} ms to compile finger and object",
-            *self.notes,
-        ]
-        return "\n".join([self.table(), "", *text])
-
-
-def _spread(median: float, worst: float) -> str:
-    return f"{median:.0e} ({worst:.0e})" if worst else "0"
 
 
 def hardest(scene: Scene) -> float:
@@ -208,7 +90,6 @@ def study(
             progress(done, len(entries))
     unsure = [uncertainty(*pair) for pair in shots]
     known = {name: max(each[name] for each in unsure) for name in QUANTITIES}
-    notes += _unresolved(works, known)
     return WorkPrecision(
         scene=scene,
         works=tuple(works),
@@ -236,16 +117,6 @@ def reference(scene: Scene) -> tuple[Shot, Shot]:
     except NoEquilibriumError as error:
         raise NoReferenceError(f"which places touch is not known: {error}") from error
     return shooting(fixed, answer.verified.equilibrium)
-
-
-def _unresolved(works: list[Work], known: dict[str, float]) -> list[str]:
-    """Say where the reference is not ten times finer than the best point."""
-    names = []
-    for name in ("force", "energy", "place", "shape"):
-        best = min((work.median[name] for work in works if work.median), default=1.0)
-        if best < _FINER * known[name]:
-            names.append(name)
-    return [f"the best points are too good for the reference to tell ({', '.join(names)})"] if names else []
 
 
 def _measure(method: Method, point: float, places: list[Scene], shots: list[Shot], repeats: int) -> Work:
@@ -292,27 +163,3 @@ def _timed(call: Callable[[], object] | None, repeats: int) -> tuple[float | Non
         return repeated(call, repeats).median, ""
     except (NoOutcomeError, NoEquilibriumError) as error:
         return None, str(error)
-
-
-_START_UP = """
-import time
-begun = time.process_time()
-import gripper
-imported = time.process_time()
-import pickle, sys
-scene = pickle.load(sys.stdin.buffer)
-times = [time.process_time()]
-for _ in range(2):
-    gripper.solve(scene)
-    times.append(time.process_time())
-print(imported, times[1] - times[0] - (times[2] - times[1]))
-"""
-
-
-def start_up(scene: Scene) -> tuple[float, float]:
-    """CPU seconds of a fresh interpreter until gripper is imported, and of compiling a scene's finger and object."""
-    import pickle
-
-    done = subprocess.run([sys.executable, "-c", _START_UP], input=pickle.dumps(scene), capture_output=True, check=True)
-    imported, compiled = map(float, done.stdout.split())
-    return imported, max(compiled, 0.0)
