@@ -17,6 +17,9 @@ import numpy as np
 import pytest
 
 from gripper import Motion, PoseResult, Result, Scene, solve, trace
+from gripper.study.cases import maps, random
+from gripper.study.robustness import Judged
+from gripper.study.verdicts import verdicts
 from gripper.testing import check_finger, check_object
 from gripper_plugins.fingers import Uniform
 from gripper_plugins.objects import Ellipse
@@ -25,7 +28,7 @@ ROOT = Path(__file__).parents[1]
 SCRIPTS = [
     p
     for p in sorted((ROOT / "gallery").glob("*.py"))
-    if p.stem not in ("cost", "force_curves", "optimal_hook", "constant_force")
+    if p.stem not in ("cost", "error_against_time", "force_curves", "robustness", "optimal_hook", "constant_force")
 ]  # these have tests of their own, or are searches
 BEAM = json.loads((ROOT / "tests/reference/beam.json").read_text())
 EXACT = json.loads((ROOT / "tests/reference/exact.json").read_text())
@@ -228,6 +231,46 @@ def test_contacts_placed_by_linear_beam_theory_press_alike_where_deflections_are
     target = outlines.outlines(0.01)[name]
     contacts = solve(Scene(finger=outlines.finger, object=target, theory="bending")).contacts
     assert [contact.normal_force for contact in contacts] == pytest.approx([0.01] * number, rel=2e-4)
+
+
+def test_error_against_time_finds_this_project_a_thousand_times_nearer_than_the_paper_s_scheme(tmp_path: Path) -> None:
+    found = script(ROOT / "gallery/error_against_time.py").main(tmp_path, quick=True)
+    assert (tmp_path / "error_against_time.png").stat().st_size > 50_000
+    assert (tmp_path / "error_against_time.csv").read_text() == found.csv()
+    best = {name: min(w.worst["force"] for w in found.works if w.method == name and w.worst) for name in METHODS}
+    assert best["gripper"] < 1e-6 < 1e-3 < best["paper, shear cured, exact gradients"]
+    published = next(work for work in found.works if work.method == "paper as published")
+    assert published.unknowns == 16 and published.evaluations > 1000
+
+
+METHODS = ("gripper", "paper, shear cured, exact gradients")
+
+
+def test_robustness_judges_scenes_draws_them_and_goes_on_where_it_stopped(tmp_path: Path) -> None:
+    robustness = script(ROOT / "gallery/robustness.py")
+    lines = [case for case in maps() if case.family in ("shear stiffness", "scale")][::8]
+    found = robustness.main(tmp_path, [*lines, *random(1)])
+    assert [judged.verdict for judged in found] == ["solved"] * len(found)
+    first = (tmp_path / "robustness.png").read_bytes()
+    record = tmp_path / "robustness.csv"
+    record.write_text(record.read_text().replace(",solved,", ",wrong,", 1))
+    again = robustness.main(tmp_path, [*lines, *random(1)])
+    assert [judged.verdict for judged in again].count("wrong") == 1  # read, not solved again
+    assert (tmp_path / "robustness.png").read_bytes() != first
+
+
+def test_the_map_of_a_verdict_has_its_value_across_and_every_scene_once() -> None:
+    names = ["R/L = 1e-6", "R/L = 1e-2", "R/L = 1e1"]
+    kinds = ["refused", "solved", "wrong"]
+    found = [Judged("radius", name, True, kind, "", None, 0.2) for name, kind in zip(names, kinds, strict=True)]
+    found += [Judged("flat", f"{n} sides", True, "solved", "", None, 0.1) for n in (3, 4)]
+    radius, flat, key = verdicts(found).axes
+    drawn = {float(x) for line in radius.lines for x in line.get_xdata()}
+    assert (radius.get_xlabel(), radius.get_xscale(), drawn) == ("R/L", "log", {1e-6, 1e-2, 1e1})
+    assert (flat.get_xlabel(), flat.get_xscale()) == ("scene", "linear")
+    assert [text.get_text() for text in key.get_legend().get_texts()] == ["solved: 3", "refused: 1", "wrong: 1"]
+    with pytest.raises(ValueError, match="found must hold at least one scene"):
+        verdicts([])
 
 
 def test_a_plugin_s_object_and_finger_are_the_built_in_ones_where_they_coincide() -> None:

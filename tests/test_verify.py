@@ -381,8 +381,8 @@ def assert_as_reference(found, rows, within, strain=5e-3):
         assert pose.max_strain == pytest.approx(row["max_strain"], rel=strain, abs=1e-5)
 
 
-def rotating(name, start, poses=7, mu=0.0, **model):
-    rows = FEM["rotating_finger"][name][:poses]
+def rotating(name, start, mu=0.0, **model):
+    rows = FEM["rotating_finger"][name]
     values = [*start, *(row["x_e"] for row in rows)]
     scene = scenes.rotating_finger(*values, friction=gr.Friction(coefficient=mu))
     return follow(scene, values, elements=(108, 3), **model)[len(start) :], rows
@@ -391,18 +391,20 @@ def rotating(name, start, poses=7, mu=0.0, **model):
 @EVERY_LAW
 def test_every_law_reproduces_its_reference_of_the_rotating_finger(law):
     name = {"svk": "svk, mu = 0, 5184 elements"}.get(law, f"{law}, mu = 0, 1296 elements")
-    assert_as_reference(*rotating(name, (0.127,), 3 if law == "hencky" else 7, law=law), within=0.003)
+    assert_as_reference(*rotating(name, (0.127,), law=law), within=0.003)
 
 
 @pytest.mark.parametrize(
-    ("name", "start", "law", "poses"),
+    ("name", "start", "law"),
     [
-        ("svk, mu = 0.2, x_e falling, 5184 elements", (0.127,), "svk", 3),
-        ("biot, mu = 0.2, x_e rising, 1296 elements", (), "biot", 6),  # the first pose slides as the motion does
+        ("svk, mu = 0.2, x_e falling, 5184 elements", (0.127,), "svk"),
+        ("biot, mu = 0.2, x_e falling, 1296 elements", (0.127,), "biot"),
+        ("svk, mu = 0.2, x_e rising, 1296 elements", (), "svk"),  # the first pose slides as the motion does
+        ("biot, mu = 0.2, x_e rising, 1296 elements", (), "biot"),
     ],
 )
-def test_friction_reproduces_its_reference_of_the_rotating_finger(name, start, law, poses):
-    assert_as_reference(*rotating(name, start, poses, law=law, mu=0.2), within=0.003)
+def test_friction_reproduces_its_reference_of_the_rotating_finger(name, start, law):
+    assert_as_reference(*rotating(name, start, law=law, mu=0.2), within=0.003)
 
 
 def test_where_slip_turns_the_answer_does_not_depend_on_how_far_apart_the_poses_are():
@@ -421,6 +423,7 @@ def test_where_slip_turns_the_answer_does_not_depend_on_how_far_apart_the_poses_
         ("rigid jaw, mu = 0, 4560 elements", "rigid", 0.0, 0.003),
         ("rigid jaw, mu = 0.3, 4560 elements", "rigid", 0.3, 0.003),
         ("jaw of the finger's material, mu = 0, 8622 elements", "elastic", 0.0, 0.003),
+        ("jaw of the finger's material, mu = 0.3, 2230 elements", "elastic", 0.3, 0.003),
     ],
 )
 def test_the_micro_assembly_finger_reproduces_its_reference(name, jaw, mu, within):
@@ -429,6 +432,9 @@ def test_the_micro_assembly_finger_reproduces_its_reference(name, jaw, mu, withi
     scene = scenes.micro_assembly(*values, friction=gr.Friction(coefficient=mu))
     free, *found = follow(scene, values, elements=(108, 3), jaw=jaw)
     assert free.status == "free"
+    if "2230" in name:  # a coarse mesh, on whose jaw the first, light touch is 1.1 % off
+        assert math.dist(found[0].force, rows[0]["force_on_object"]) < 0.012 * math.hypot(*found[0].force)
+        found, rows = found[1:], rows[1:]
     assert_as_reference(found, rows, within, strain=2e-2)
 
 
@@ -494,14 +500,18 @@ def test_the_report_is_a_table_a_csv_and_json():
     assert written["poses"][1]["elements"]["contacts"][0]["on"] == "jaw"
 
 
-def test_a_pose_without_an_answer_is_named_with_its_reason_and_has_no_numbers():
+def broken():
     free, held = report().poses
     lost = replace(held, elements=Found(status="failed", reason="an element is inverted"), force_difference=None)
-    broken = replace(report(), poses=(free, lost))
-    assert broken.failed == (lost,)
-    assert broken.largest_difference is None
-    assert "q = 0.07: elements: an element is inverted" in str(broken).splitlines()
-    assert broken.to_dict()["poses"][1]["elements"]["force"] is None
+    return replace(report(), poses=(free, lost))
+
+
+def test_a_pose_without_an_answer_is_named_with_its_reason_and_has_no_numbers():
+    (lost,) = broken().failed
+    assert lost == broken().poses[1]
+    assert broken().largest_difference is None
+    assert "q = 0.07: elements: an element is inverted" in str(broken()).splitlines()
+    assert broken().to_dict()["poses"][1]["elements"]["force"] is None
 
 
 def test_a_scene_of_one_pose_is_verified_beside_a_result_that_is_there():
@@ -596,9 +606,30 @@ def test_the_command_chooses_poses_in_contact(tmp_path):
     assert chosen == pytest.approx([0.075, 0.07])
 
 
+@pytest.mark.parametrize(("within", "status"), [("1 %", 0), ("0.01", 0), ("0.001 %", 1)])
+def test_a_difference_beyond_the_limit_ends_the_command_with_status_1(tmp_path, within, status):
+    outcome = command(tmp_path, HOOK, *QUICK, "--poses", "0.07", "--within", within)
+    largest = json.loads((tmp_path / "out" / "verify.json").read_text())["largest_difference"]
+    assert 1e-5 < largest < 1e-2
+    assert outcome.exit_code == status
+    beyond = f"the forces differ by up to {100 * largest:.2f} %, more than --within {within}"
+    assert outcome.stderr.splitlines() == [beyond] * status
+
+
+def test_a_pose_without_an_answer_ends_the_command_with_status_1_and_all_others_are_written(tmp_path, monkeypatch):
+    monkeypatch.setattr("gripper.verify.verify", lambda *_, **__: broken())  # one takes a minute to fail by itself
+    outcome = command(tmp_path, HOOK, "--poses", "0.08, 0.07", "--within", "1 %")
+    assert (outcome.exit_code, outcome.stderr) == (1, "")
+    assert "q = 0.07: elements: an element is inverted" in outcome.stdout.splitlines()
+    free, lost = json.loads((tmp_path / "out" / "verify.json").read_text())["poses"]
+    assert (free["elements"]["status"], lost["elements"]["force"]) == ("free", None)
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
+        (("--within", "much"), "within must be a positive number, or one with %: expression must hold known names"),
+        (("--within", "-1 %"), "within must be a positive number, or one with %; got '-1 %'"),
         (("--poses", "1"), "scene.toml: poses must be values that the motion passes, 0.086 to 0.05; got 1.0"),
         (("--poses", "0.07, x"), "poses must be numbers with commas between, or all: expression must hold known names"),
         (("--elements", "9"), "elements must be two whole numbers, as 108x4; got '9'"),

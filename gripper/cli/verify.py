@@ -46,18 +46,23 @@ def verify(
     ] = "108x4",
     jaw: Annotated[Literal["rigid", "elastic"], typer.Option(help="Rigid, or of the finger's own material.")] = "rigid",
     laws: Annotated[bool, typer.Option(help="Say also what the other material laws alone change.")] = True,
+    within: Annotated[
+        str | None,
+        typer.Option(metavar="PART", help='Largest difference of the forces that passes, as "1 %"; any, if not given.'),
+    ] = None,
 ) -> None:
     """Compare a scene with two-dimensional finite elements; write verify.json, verify.csv and verify.md.
 
     A second opinion: it shares the object and the finger's profile with the solver, nothing else. It follows the
     motion from its start: seven poses take about 20 s, and twice as many elements each way five times as long.
 
-    Exit status: 0, or 1 when the elements or gripper have no answer for a pose (all others are written), 2 when the
-    scene or an option is bad or the folder cannot be written (nothing is written), 130 when interrupted.
+    Exit status: 0, or 1 when the elements or gripper have no answer for a pose (all others are written) or the forces
+    differ by more than --within, 2 when the scene or an option is bad or the folder cannot be written (nothing is
+    written), 130 when interrupted.
     """
     from gripper.scenefile import SceneFileError
 
-    folder = output or Path("out", scene_file.stem)
+    folder, limit = output or Path("out", scene_file.stem), _part(within)
     try:
         options = {"elements": elements, "law": law, "jaw": jaw, "laws": laws}
         report, paths = _verified(scene_file, folder, poses, options)
@@ -68,6 +73,8 @@ def verify(
     typer.echo(str(report))
     for path in paths:
         typer.echo(path)
+    if limit is not None and (largest := report.largest_difference or 0.0) > limit:
+        stop(f"the forces differ by up to {100 * largest:.2f} %, more than --within {within}", FAILED_POSE)
     if report.failed:
         raise typer.Exit(FAILED_POSE)
 
@@ -120,6 +127,20 @@ def _mesh(text: str) -> tuple[int, int]:
     if not (along.isdecimal() and across.isdecimal()):
         stop(f"elements must be two whole numbers, as 108x4; got {text!r}", BAD_INPUT)
     return int(along), int(across)
+
+
+def _part(text: str | None) -> float | None:
+    """A part of one, written as a number or in per cent."""
+    from gripper.expression import number
+
+    if text is None:
+        return None
+    rule = "within must be a positive number, or one with %"
+    try:
+        part = number(text.removesuffix("%").strip()) * (0.01 if text.endswith("%") else 1.0)
+    except ValueError as error:
+        stop(f"{rule}: {error}", BAD_INPUT)
+    return part if part > 0 else stop(f"{rule}; got {text!r}", BAD_INPUT)
 
 
 def _values(text: str | None, scene: Scene) -> Sequence[float] | None:

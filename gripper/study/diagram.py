@@ -18,17 +18,17 @@ _WORDS = {
     "depth": "deepest penetration, by L",
 }
 _MOST = 3.0
-_LOOKS = (
-    ("#D55E00", "s"),
-    ("#D55E00", "v"),
-    ("#CC79A7", "D"),
-    ("#CC79A7", "P"),
-    ("#56B4E9", "^"),
-    ("#0072B2", "o"),
-    ("#009E73", "X"),
-    ("#E69F00", "*"),
-)
-"""Okabe & Ito's colours, a mark for each method; schemes that differ in their gradients alone share a colour."""
+_LOOKS = {
+    "paper as published": ("#D55E00", "s"),
+    "paper as published, exact gradients": ("#D55E00", "v"),
+    "paper, shear cured": ("#CC79A7", "D"),
+    "paper, shear cured, exact gradients": ("#CC79A7", "P"),
+    "gripper, p = 0": ("#56B4E9", "^"),
+    "gripper": ("#0072B2", "o"),
+    "CasADi/IPOPT, the paper's problem": ("#009E73", "X"),
+    "CasADi/IPOPT as a whole (model built)": ("#E69F00", "*"),
+}
+"""Okabe & Ito's colours and a mark for each method; schemes that differ in their gradients alone share a colour."""
 
 
 def diagram(study: WorkPrecision) -> Figure:
@@ -36,8 +36,7 @@ def diagram(study: WorkPrecision) -> Figure:
 
     Filled marks are cold poses, hollow ones warm; bars reach to the worst of the shifts.
     """
-    names = list(dict.fromkeys(work.method for work in study.works))
-    looks = dict(zip(names, _LOOKS[len(_LOOKS) - len(names) :] if len(names) > 6 else _LOOKS[2:], strict=False))
+    looks = {work.method: _LOOKS[work.method] for work in study.works}
     with styled():
         figure = Picture(figsize=(PAGE / INCH, 1.3 * PAGE / INCH), layout="constrained")
         axes = figure.subplots(3, 2).ravel()
@@ -61,13 +60,15 @@ def _series(ax: Any, works: list[Work], study: WorkPrecision, quantity: str, col
             for i, (work, t) in enumerate(known):
                 ax.plot([x[i], study.told(work.worst)[quantity]], [t, t], color=colour, linewidth=0.9, alpha=0.5)
                 if i in (0, len(known) - 1):
-                    text, after = work.point.split(" = ")[1], i == 0
-                    where: dict[str, Any] = {"xytext": (0, -4 if after else 4), "va": "top" if after else "bottom"}
-                    ax.annotate(
-                        text, (x[i], t), textcoords="offset points", ha="center", fontsize=6, color=colour, **where
-                    )
+                    _label(ax, work.point.split(" = ")[1], (x[i], t), colour, coarsest=i == 0)
     for work in (w for w in works if w.failures or w.warm_failure):
         ax.plot([_MOST], [1e3 * (work.cold or work.warm or 1e-3)], "x", color=colour, clip_on=False)
+
+
+def _label(ax: Any, text: str, place: tuple[float, float], colour: str, *, coarsest: bool) -> None:
+    """Name a method's ends: the coarsest beside its point, for others' are above and below it, the finest above."""
+    look: dict[str, Any] = {"xytext": (4, 0), "va": "center"} if coarsest else {"xytext": (0, 3), "ha": "center"}
+    ax.annotate(text, place, textcoords="offset points", fontsize=6, color=colour, **look)
 
 
 def _furnish(ax: Any, study: WorkPrecision, quantity: str) -> None:

@@ -88,7 +88,7 @@ def methods(scene: Scene, *, quick: bool = False) -> tuple[Method, ...]:
     found = []
     if not bending:
         found.append(Method("paper as published", "N", slow, published("averaged", "differences")))
-        found.append(Method("as published, exact gradients", "N", many, published("averaged", "exact")))
+        found.append(Method("paper as published, exact gradients", "N", many, published("averaged", "exact")))
     name = "paper as published" if bending else "paper, shear cured"
     found.append(Method(name, "N", slow, published(cured, "differences")))
     found.append(Method(f"{name}, exact gradients", "N", many, published(cured, "exact")))
