@@ -23,6 +23,10 @@ from gripper.fields import (
 from gripper.fields import (
     Surface as Surface,
 )
+from gripper.fields import (
+    Varying as Varying,
+)
+from gripper.fingers import Base as Base
 from gripper.fingers import Finger as Finger
 from gripper.fingers import Jaw as Jaw
 from gripper.fingers import Material as Material
@@ -31,6 +35,8 @@ from gripper.friction import Friction as Friction
 from gripper.limits import Limits as Limits
 from gripper.limits import Verdict as Verdict
 from gripper.limits import judged as judged
+from gripper.loads import Load as Load
+from gripper.loads import PotentialLoad as PotentialLoad
 from gripper.loop import Loop as Loop
 from gripper.materials import material as material
 from gripper.objects import FeatureSurface as FeatureSurface

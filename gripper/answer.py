@@ -7,13 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gripper.applied import applied
 from gripper.arrays import Array, Complex
 from gripper.beam import Beam
 from gripper.checked import checked, shortcoming
 from gripper.clearance import clearance
 from gripper.contact import linearise
 from gripper.contact_forces import NO_FORCE, cross, drive, loads
-from gripper.equilibrium import Equilibrium, Setting, kkt_step
+from gripper.enriched import relative_change
+from gripper.equilibrium import Equilibrium, Setting
 from gripper.kept import Kept
 from gripper.kinematics import Placement
 from gripper.profile import Profile, largest_strain, profile, unknown
@@ -23,16 +25,17 @@ from gripper.verified import Verified
 
 
 def discretisation_error(setting: Setting, equilibrium: Equilibrium) -> float:
-    """Relative error of the force vector: one Newton step of the system enriched by two orders, contacts fixed."""
+    """Relative error of the force vector: one Newton step of the system enriched by two orders, contacts fixed.
+
+    Of a finger that only its loads bend: of the tip's deflection.
+    """
     state = equilibrium.state
-    if not state.sites:
+    if not state.sites and equilibrium.linear.push is None:
         return 0.0
     finer = Beam(setting.sections, state.beam.breaks, state.beam.order + 2, setting.theory)
     enriched = dataclasses.replace(state, beam=finer, z=finer.embed(state.beam, state.z))
     lin = linearise(finer, enriched.z, setting.outline, equilibrium.obstacle, state.sites, state.multipliers)
-    dz, dmultipliers, dplaces = kkt_step(enriched, lin)
-    change = lin.force_gradient @ dz + lin.force_multipliers @ dmultipliers + lin.force_places @ dplaces
-    return float(abs(change) / max(abs(equilibrium.force), NO_FORCE))
+    return relative_change(equilibrium, enriched, lin)
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,14 +71,16 @@ def pose_result(setting: Setting, answer: Answer, parameter: float | None, place
         force_on_object_finger_frame=vector(force),
         moment_on_object=moment * scales.energy_scale,
         motion_force=None if parameter is None else drive(equilibrium) * scales.energy_scale,
-        clamp_moment=cross(points, forces) * scales.energy_scale,
+        clamp_moment=_clamp_moment(equilibrium) * scales.energy_scale,
         energy=state.energy * scales.energy_scale,
+        load_energy=_load_energy(setting, equilibrium),
         tip=vector(placement.origin + turn * complex(seen.position[tip]) * scales.length),
         tip_rotation=float(seen.psi[tip]),
         max_strain=strain,
-        max_strain_s=None if free else strain_s * scales.length,
+        max_strain_s=None if free and not strain else strain_s * scales.length,
         min_gap=clearance(setting, answer.verified) * scales.length,
         contacts=() if free else contacts(setting, equilibrium, placement),
+        loads=applied(equilibrium, placement, scales),
         checks=checks,
         error=ErrorEstimate(discretisation=answer.error),
         iterations=answer.iterations,
@@ -83,6 +88,20 @@ def pose_result(setting: Setting, answer: Answer, parameter: float | None, place
         shape=_shape(setting, seen, placement),
         kept=Kept(setting, equilibrium),
     )
+
+
+def _clamp_moment(equilibrium: Equilibrium) -> float:
+    """EI psi'(0): of the contact forces and the loads about the clamp."""
+    moment, acting = cross(*loads(equilibrium)), equilibrium.obstacle.acting
+    if acting is None:
+        return moment
+    return moment + float(acting.beyond(equilibrium.state.axis, np.zeros(1), np.zeros(1, dtype=np.intp))[1][0])
+
+
+def _load_energy(setting: Setting, equilibrium: Equilibrium) -> float | None:
+    """The loads' potential, in J, where all have one."""
+    push = equilibrium.linear.push
+    return push.potential * setting.sections.energy_scale if push is not None and push.conservative else None
 
 
 def _shape(setting: Setting, seen: Profile, placement: Placement) -> Shape:

@@ -13,10 +13,12 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from gripper.acting import LoadEnergy
 from gripper.arrays import Array, Index
 from gripper.axis import Axis
 from gripper.beam import BeamTheory
 from gripper.certificate import Survey, survey
+from gripper.compiled_loads import compiled_loads
 from gripper.contact import linearise
 from gripper.energy import energy, energy_gradient, energy_hessian
 from gripper.equilibrium import Setting, State
@@ -69,7 +71,8 @@ def setting(scene: Scene, theory: BeamTheory | None = None) -> Setting:
     chosen = theory or ("shear" if scene.theory == "auto" else scene.theory)
     outline = Outline(profile)
     friction = _law(scene, outline, profile.length)
-    return Setting(profile, outline, chosen, placed(scene.object).body, scene.tolerance, friction)
+    loads = compiled_loads(scene, profile) if scene.loads else None
+    return Setting(profile, outline, chosen, placed(scene.object).body, scene.tolerance, friction, loads)
 
 
 def _law(scene: Scene, outline: Outline, length: float) -> Law | None:
@@ -98,6 +101,10 @@ def left_out(scene: Scene, theory: BeamTheory) -> tuple[LeftOut, ...]:
     out += [LeftOut(what=what, why=f"theory is {theory}: {why}") for what in missing[theory]]
     if finger.jaw is None:
         out.append(LeftOut(what="jaw", why="the finger has none"))
+    if finger.base is None:
+        out.append(LeftOut(what="base that yields", why="none is given: the clamp is rigid"))
+    if not scene.loads:
+        out.append(LeftOut(what="loads", why="none are given"))
     return tuple(out)
 
 
@@ -124,7 +131,9 @@ class Problem:
         self._last: tuple[bytes, tuple[Site, ...], Array, Array] | None = None
         deepest = float(np.min(self._evaluate(start.z)[1], initial=0.0)) if candidates else 0.0
         # |z| of a cantilever whose tip is deflected by d is sqrt(3) d: unknowns and gaps of the size they will have
-        self.scale = max(float(np.linalg.norm(start.z)), -np.sqrt(3.0) * deepest, _GRAZING)
+        self._pull = None if obstacle.acting is None else LoadEnergy(obstacle.acting, start)
+        bent = start.z if self._pull is None else start.energy_gradient + self._pull.slope(start.z)  # by contacts alone
+        self.scale = max(float(np.linalg.norm(bent)), -np.sqrt(3.0) * deepest, _GRAZING)
         self.gap_scale = self.scale / np.sqrt(3.0)
         self.x0 = start.z / self.scale
 
@@ -139,14 +148,17 @@ class Problem:
         return self.scale**2 * self.setting.sections.energy_scale
 
     def scaled_energy(self, x: Array) -> tuple[float, Array]:
-        """What SciPy minimises, and its gradient (n,): |x|^2 / 2 and x under the linear law."""
-        if self.beam.response is None:
+        """What SciPy minimises, and its gradient (n,): |x|^2 / 2 and x under the linear law, without loads."""
+        if self.beam.response is None and self._pull is None:
             return float(x @ x) / 2, x
         z = x * self.scale
-        return energy(self.beam, z) / self.scale**2, energy_gradient(self.beam, z) / self.scale
+        stored, stress = energy(self.beam, z), energy_gradient(self.beam, z)
+        if self._pull is not None:
+            stored, stress = stored + self._pull.energy(z), stress + self._pull.slope(z)
+        return stored / self.scale**2, stress / self.scale
 
     def energy(self, x: Array) -> float:
-        """Strain energy, in J (Lan & Lee eq 1)."""
+        """Strain energy (Lan & Lee eq 1) and the loads' potential, in J."""
         return self.scaled_energy(np.asarray(x))[0] * self.energy_unit
 
     def energy_gradient(self, x: Array) -> Array:
@@ -154,8 +166,10 @@ class Problem:
         return self.energy_unit * self.scaled_energy(np.asarray(x))[1]
 
     def energy_hessian(self, x: Array) -> Array:
-        """Hessian of the energy (n, n), in J: a multiple of the identity under the linear law."""
-        return self.energy_unit * energy_hessian(self.beam, np.asarray(x) * self.scale)
+        """Hessian of the energy (n, n), in J: a multiple of the identity under the linear law, without loads."""
+        z = np.asarray(x) * self.scale
+        pull = 0.0 if self._pull is None else self._pull.curvature(z)
+        return self.energy_unit * (energy_hessian(self.beam, z) + pull)
 
     def gaps(self, x: Array) -> Array:
         """Gap at each candidate (m,), in m: at least 0 where nothing penetrates (Lan & Lee eq 3)."""

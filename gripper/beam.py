@@ -7,7 +7,8 @@ Lan & Lee's eqs (1) and (2), corrected: the section turns by psi, the axis runs 
 With stretch (Simo 1985, after Reissner) V has EA eps^2 besides, and the axis another direction (:mod:`gripper.axis`).
 
 Unknowns are the fields' coefficients on each segment, whitened by the Cholesky factor of their own stiffness:
-V = |z|^2 / 2 exactly, whatever the profile. Order 0 is a chain of circular arcs. Everything is dimensionless
+V = |z|^2 / 2 exactly, whatever the profile. A base that yields adds one more, the last: how far it has turned, times
+the root of its stiffness. Order 0 is a chain of circular arcs. Everything is dimensionless
 (:mod:`gripper.sections`). Geometry is integrated by Gauss points on each segment; an arbitrary station uses the
 integral of the interpolant through them, so that shape, gradient and Hessian belong to one discrete functional.
 """
@@ -132,7 +133,9 @@ class Beam:
         self.stretches = theory == "stretch"
         self.segments = len(breaks) - 1
         self.modes = order + 1
-        self.size = self.segments * self.fields * self.modes
+        self._strains = self.segments * self.fields * self.modes
+        self.yields = sections.base is not None
+        self.size = self._strains + self.yields
         self._rule = rule = _rule(order)
         self.gauss = (self.starts[:, None] + self.lengths[:, None] * (rule.x + 1) / 2).ravel()
         self._whiten = self._whitening()
@@ -160,7 +163,18 @@ class Beam:
         theta[each, :, each, 0] += (self.lengths / 2)[:, None, None] * (self._rule.integrals @ self._whiten[0])
         if self.fields == 2:
             theta[each, :, each, 1] = self._rule.modes @ self._whiten[1]
-        return theta.reshape(-1, self.size)
+        return self._with_base(theta.reshape(-1, self._strains), 1.0)
+
+    def _with_base(self, maps: Array, turns: float) -> Array:
+        """Maps from the strains (..., n) with a column for the base: as far as they turn with it."""
+        if self.sections.base is None:
+            return maps
+        column = np.full((*maps.shape[:-1], 1), turns / np.sqrt(self.sections.base))
+        return np.concatenate([maps, column], axis=-1)
+
+    def base_turn(self, z: Array) -> float:
+        """How far the base has turned, in rad."""
+        return 0.0 if self.sections.base is None else float(z[-1] / np.sqrt(self.sections.base))
 
     @functools.cached_property
     def rest_angle(self) -> Array | float:
@@ -174,7 +188,7 @@ class Beam:
         maps = np.zeros((2, self.segments, q, self.segments, self.fields, m))
         for i in range(2):
             maps[i, each, :, each, i + 1] = self._rule.modes @ self._whiten[i + 1]
-        return maps.reshape(2, -1, self.size)
+        return self._with_base(maps.reshape(2, -1, self._strains), 0.0)
 
     @functools.cached_property
     def response(self) -> Response | None:
@@ -224,17 +238,21 @@ class Beam:
         for i in range(1, self.fields):
             value, slope = (1, 4) if i == 1 else (5, 6)
             strains[value, each, segment, i], strains[slope, each, segment, i] = fields[i, :, 0], fields[i, :, 2]
-        return Rows(position.reshape(k, -1), strains.reshape(-1, k, self.size))
+        flat = strains.reshape(-1, k, self._strains)
+        if self.yields:
+            flat = np.concatenate([self._with_base(flat[:1], 1.0), self._with_base(flat[1:], 0.0)])
+        return Rows(position.reshape(k, -1), flat)
 
     def coefficients(self, z: Array) -> Array:
         """Legendre coefficients of the fields: (fields, segments, p + 1)."""
-        blocks = z.reshape(self.segments, self.fields, self.modes).swapaxes(0, 1)
+        blocks = z[: self._strains].reshape(self.segments, self.fields, self.modes).swapaxes(0, 1)
         return (self._whiten @ blocks[..., None])[..., 0]
 
-    def unknowns(self, coefficients: Array) -> Array:
-        """Whitened unknowns of given Legendre coefficients (fields, segments, p + 1): the inverse of coefficients."""
+    def unknowns(self, coefficients: Array, base_turn: float = 0.0) -> Array:
+        """Whitened unknowns of given Legendre coefficients (fields, segments, p + 1) and of the base's turn, in rad."""
         blocks = np.linalg.solve(self._whiten, coefficients[..., None])[..., 0]
-        return blocks.swapaxes(0, 1).reshape(-1)
+        strains = blocks.swapaxes(0, 1).reshape(-1)
+        return strains if self.sections.base is None else np.append(strains, base_turn * np.sqrt(self.sections.base))
 
     def strains(self, z: Array, s: Array, segment: Index) -> Array:
         """Strains at stations s (k,) of given segments: (fields, k)."""
@@ -242,14 +260,14 @@ class Beam:
         x = (s - self.starts[segment]) / (self.lengths[segment] / 2) - 1
         return np.einsum("km,fkm->fk", legendre(x, max(self.modes, 2))[:, : self.modes], local)
 
-    def fit(self, strains: Array) -> Array:
+    def fit(self, strains: Array, base_turn: float = 0.0) -> Array:
         """The unknowns whose fields are the projections of strains at the Gauss points (fields, g) on each segment."""
         blocks = strains.reshape(self.fields, self.segments, -1) * self._rule.weights
-        return self.unknowns((blocks @ self._rule.modes) * (np.arange(self.modes) + 0.5))
+        return self.unknowns((blocks @ self._rule.modes) * (np.arange(self.modes) + 0.5), base_turn)
 
     def project(self, other: Beam, z: Array) -> Array:
         """The unknowns of this beam whose strains come nearest to those of another beam's z."""
-        return self.fit(other.strains(z, self.gauss, other.segment_of(self.gauss)))
+        return self.fit(other.strains(z, self.gauss, other.segment_of(self.gauss)), other.base_turn(z))
 
     def convection(self, z: Array, moves: Array) -> Array:
         """Change of the fields' coefficients when segments move along a shape that stays: (fields, segments, p + 1).
@@ -269,7 +287,7 @@ class Beam:
         """The unknowns for the very fields of a beam of lower order, or of a poorer theory, on the same segments."""
         coefficients = np.zeros((self.fields, self.segments, self.modes))
         coefficients[: other.fields, :, : other.modes] = other.coefficients(z)
-        return self.unknowns(coefficients)
+        return self.unknowns(coefficients, other.base_turn(z))
 
     def series(self, z: Array, direction: Complex) -> Array:
         """Legendre coefficients of x, y, psi and the strains on each segment: (segments, q + 1, 3 + fields).
@@ -291,6 +309,8 @@ class Beam:
         # where a segment ends is where the next one starts: every P_k is 1 at its end
         path[1:, 0] += np.cumsum(path[:-1].sum(axis=1))
         turn[1:, 0] += np.cumsum(turn[:-1].sum(axis=1))
+        if self.yields:
+            turn[:, 0] += self.base_turn(z)
         out[:, :, 0], out[:, :, 1], out[:, :, 2] = path.real, path.imag, turn
         out[:, : self.modes, 3:] = local.transpose(1, 2, 0)
         return out

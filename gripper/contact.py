@@ -32,7 +32,8 @@ def linearise(
     With ``kinks`` a contact at a break takes the mean of both sides; without, its own segment alone.
     """
     if not sites:
-        return _nothing(beam.size)
+        nothing = _nothing(beam.size)
+        return nothing if obstacle.acting is None else nothing.pushed(obstacle.acting.push(Axis.of(beam, z)))
     queries = [_places(site, beam.order) for site in sites]
     u = np.concatenate(queries)
     piece = np.concatenate([np.full(len(q), site.piece) for site, q in zip(sites, queries, strict=True)])
@@ -57,7 +58,8 @@ def linearise(
         rub(system, u)
     hessian = second_derivative(axis, stations, system.pull) + system.extra
     hessian += system.stiffened()
-    return system.linearisation(hessian, queries)
+    found = system.linearisation(hessian, queries)
+    return found if obstacle.acting is None else found.pushed(obstacle.acting.push(axis))
 
 
 @functools.cache

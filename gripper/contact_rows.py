@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,6 +14,7 @@ from gripper.outline import UPPER, Stations, dot
 from gripper.site import Site, pressure_rule
 
 if TYPE_CHECKING:
+    from gripper.acting import Push
     from gripper.rubbing import Rubbing
 
 
@@ -43,6 +44,17 @@ class Linearisation:
     stations: tuple[Array, ...]  # per site, the place u of those points, (j,)
     loads: Array  # unit loads of the multipliers on z: C_z, and friction's part, (m, n)
     rubbing: Rubbing | None = None
+    push: Push | None = None  # what else loads the finger; its part is in hessian and load_rates
+
+    def pushed(self, push: Push) -> Linearisation:
+        """The same with what else loads the finger."""
+        hessian, rates = self.hessian + push.slopes, self.load_rates + push.rates
+        return replace(self, hessian=hessian, load_rates=rates, push=push)
+
+    def load(self, multipliers: Array) -> Array:
+        """All that bends the finger: generalised forces on z, (n,)."""
+        contacts: Array = self.loads.T @ multipliers
+        return contacts if self.push is None else contacts + self.push.force
 
 
 class System:

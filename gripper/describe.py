@@ -8,7 +8,7 @@ from typing import Any
 import sympy
 from sympy.printing.str import StrPrinter
 
-from gripper.fingers import Finger, Jaw, Material
+from gripper.fingers import Base, Finger, Jaw, Material
 from gripper.friction import Coefficients, Friction
 from gripper.objects import Object
 from gripper.pose import Placed, Pose, placed
@@ -41,6 +41,8 @@ def _value(value: Any) -> Any:
         return float(value) if value.is_number else _Printer().doprint(value)
     if isinstance(value, Object) or (isinstance(value, Placed) and isinstance(value.body, Object)):
         return _object(placed(value))
+    if isinstance(value, Base):
+        return _fields(value)
     return [_value(item) for item in value] if isinstance(value, (list, tuple)) else value
 
 
@@ -98,7 +100,7 @@ def describe(scene: Scene) -> dict[str, Any]:
     A plugin is given by its registered name, an unregistered class by ``module:class``.
     """
     finger, target = placed(scene.finger), placed(scene.object)
-    tables = {
+    tables: dict[str, Any] = {
         "title": scene.title,
         "material": _material(finger.body.material),
         "finger": _finger(finger.body, finger.pose),
@@ -112,6 +114,8 @@ def describe(scene: Scene) -> dict[str, Any]:
     }
     if scene.friction:
         tables["friction"] = _friction(scene.friction)
+    if scene.loads:
+        tables |= {"loads": [{"type": _name("gripper.loads", load)} | _fields(load) for load in scene.loads]}
     if scene.limits:
         tables["limits"] = dict(scene.limits.bounds)
     if scene.tolerances:

@@ -18,7 +18,7 @@ def energy(beam: Beam, z: Array) -> float:
     if beam.response is None:
         return float(z @ z) / 2
     density = beam.response.energy(beam.gauss_strains(z))
-    return float(density @ beam.gauss_lengths)
+    return float(density @ beam.gauss_lengths) + (float(z[-1]) ** 2 / 2 if beam.yields else 0.0)
 
 
 def energy_gradient(beam: Beam, z: Array) -> Array:
@@ -27,7 +27,7 @@ def energy_gradient(beam: Beam, z: Array) -> Array:
         return z
     q = beam.gauss_lengths * beam.response.stress(beam.gauss_strains(z))
     blocks = np.einsum("feq,feqm->efm", q.reshape(beam.fields, beam.segments, -1), beam.gauss_maps)
-    return blocks.reshape(-1)
+    return np.append(blocks, z[-1:]) if beam.yields else blocks.reshape(-1)
 
 
 def energy_hessian(beam: Beam, z: Array) -> Array:
@@ -40,4 +40,7 @@ def energy_hessian(beam: Beam, z: Array) -> Array:
     each, own = np.arange(beam.segments), beam.fields * beam.modes
     hessian = np.zeros((beam.segments, own, beam.segments, own))
     hessian[each, :, each] = blocks.reshape(-1, own, own)
-    return hessian.reshape(z.size, z.size)
+    count = beam.segments * own
+    whole = np.eye(z.size)  # of a base that yields, the last unknown
+    whole[:count, :count] = hessian.reshape(count, count)
+    return whole

@@ -22,9 +22,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gripper.acting import Acting
 from gripper.arrays import Array, Complex
 from gripper.axis import Axis
 from gripper.beam import Beam, BeamTheory
+from gripper.compiled_loads import Loads
 from gripper.contact import linearise
 from gripper.contact_rows import Linearisation
 from gripper.energy import energy, energy_gradient, energy_hessian
@@ -46,6 +48,8 @@ _EXACT = 1e-7  # of the shortest segment: breaks this near are the same
 _NO_STRAIN = 1e-8  # |z| below which steps are judged by their own size: round-off of the gap moves z by 1e-16
 _FURTHEST = 0.15  # of L: the most that a place moves in a step of Newton's
 _SHRINKING = 0.5  # the most of its width that a patch loses in one
+_DEPARTS = 0.3  # of a step of the loads: what it may differ from its prediction
+_LEAST = 1e-4  # of the loads: the shortest step in which they grow
 _WILD = 1e3  # |z|: a finger rolled up hundreds of times
 
 
@@ -63,10 +67,12 @@ class Setting:
     body: Object
     tolerance: float
     friction: Law | None = None
+    loads: Loads | None = None
 
     def obstacle(self, frame: Frame) -> Obstacle:
         """The object at a pose."""
-        return Obstacle(self.body, self.sections.length, frame)
+        acting = None if self.loads is None else Acting(self.loads, frame.stage)
+        return Obstacle(self.body, self.sections.length, frame, acting)
 
     @functools.cached_property
     def clamped(self) -> Complex:
@@ -74,9 +80,14 @@ class Setting:
         half = float(self.sections.thickness(np.zeros(1))[0]) / 2
         return np.array([-1j, 0j, 1j]) * half
 
+    @property
+    def kinks(self) -> tuple[float, ...]:
+        """Where strains jump without contact: at the profile's kinks, and where loads act."""
+        return self.sections.kinks if self.loads is None else (*self.sections.kinks, *self.loads.marks)
+
     def breaks(self, sites: tuple[Site, ...]) -> tuple[float, ...]:
-        """Where segments end: at these contacts and at the profile's own cuts."""
-        marks = sorted({0.0, 1.0, *self.sections.cuts}.union(*(site.breaks() for site in sites)))
+        """Where segments end: at these contacts, at the profile's own cuts, and where loads act."""
+        marks = sorted({0.0, 1.0, *self.sections.cuts, *self.kinks}.union(*(site.breaks() for site in sites)))
         breaks = [0.0]
         for mark in marks:
             if mark - breaks[-1] > _NARROWEST and (1.0 - mark > _NARROWEST or mark == 1.0):
@@ -181,6 +192,12 @@ class Equilibrium:
         return _split(rates, lin)
 
     @property
+    def stored(self) -> float:
+        """Strain energy and the loads' potential, over EI(0) / L: what the drive changes."""
+        push = self.linear.push
+        return self.state.energy if push is None else self.state.energy + push.potential
+
+    @property
     def force(self) -> complex:
         """Total contact force on the finger, x + iy."""
         return complex(sum(f.sum() for f in self.linear.forces))
@@ -253,7 +270,7 @@ def kkt_step(state: State, lin: Linearisation) -> Step:
     NoEquilibriumError
         Where the system is singular.
     """
-    stationarity = state.energy_gradient - lin.loads.T @ state.multipliers
+    stationarity = state.energy_gradient - lin.load(state.multipliers)
     try:
         step = np.linalg.solve(_matrix(state, lin), -np.concatenate([stationarity, lin.values, lin.residuals]))
     except np.linalg.LinAlgError as error:
@@ -282,7 +299,7 @@ def _carried(setting: Setting, state: State, breaks: tuple[float, ...], fields: 
     beam = state.beam
     if breaks != beam.breaks:
         beam = Beam(setting.sections, breaks, beam.order, setting.theory)
-    return replace(state, beam=beam, z=beam.unknowns(fields))
+    return replace(state, beam=beam, z=beam.unknowns(fields, state.beam.base_turn(state.z)))
 
 
 def predicted(
@@ -358,7 +375,11 @@ def settle(setting: Setting, obstacle: Obstacle, state: State, order: int) -> Eq
         Where it does not converge.
     """
     if not state.sites:
-        return unloaded(setting, obstacle, order)
+        return unloaded(setting, obstacle, order, state if state.z.any() else None)
+    return _newton(setting, obstacle, state, order)
+
+
+def _newton(setting: Setting, obstacle: Obstacle, state: State, order: int) -> Equilibrium:
     last, way = np.inf, 0.0
     for iteration in range(_ITERATIONS):
         if iteration == 0 and not _fitted(setting, state, order):
@@ -382,7 +403,7 @@ def settle(setting: Setting, obstacle: Obstacle, state: State, order: int) -> Eq
 
 def _unbalanced(state: State, lin: Linearisation) -> float:
     """What is left of the stationarity condition, relative."""
-    left = float(np.linalg.norm(state.energy_gradient - lin.loads.T @ state.multipliers))
+    left = float(np.linalg.norm(state.energy_gradient - lin.load(state.multipliers)))
     return left / (float(np.linalg.norm(state.z)) + _NO_STRAIN)
 
 
@@ -393,10 +414,69 @@ def straight(setting: Setting, order: int) -> State:
     return State(beam, np.zeros(beam.size))
 
 
-def unloaded(setting: Setting, obstacle: Obstacle, order: int) -> Equilibrium:
-    """The equilibrium of the finger that nothing touches."""
+def unloaded(setting: Setting, obstacle: Obstacle, order: int, start: State | None = None) -> Equilibrium:
+    """The equilibrium of the finger that nothing touches.
+
+    Parameters
+    ----------
+    setting, obstacle
+        The obstacle tells what else acts.
+    order
+        Of the strain fields.
+    start
+        Of Newton's method, where loads bend the finger; by default these grow from none.
+
+    Raises
+    ------
+    NoEquilibriumError
+        Where the loads alone leave none that is stable.
+    """
+    if obstacle.acting is not None:
+        return _bent(setting, obstacle, order, start)
     state = straight(setting, order)
     return Equilibrium(state, obstacle, linearise(state.beam, state.z, setting.outline, obstacle, (), np.empty(0)), 0)
+
+
+def _bent(setting: Setting, obstacle: Obstacle, order: int, start: State | None) -> Equilibrium:
+    """The equilibrium of the finger that only the loads bend: the one near a start, or that they grow to from none."""
+    if start is not None:
+        try:
+            found = _newton(setting, obstacle, State(start.beam, start.z), order)
+            if firmness(found.state, found.linear) > 0:
+                return found
+        except NoEquilibriumError:
+            pass  # not near enough
+    acting = obstacle.acting
+    last, reached, step = straight(setting, order), 0.0, 1.0
+    while acting is not None and reached < 1:
+        part = min(reached + step, 1.0)
+        partly = Obstacle(obstacle.body, obstacle.length, obstacle.frame, replace(acting, part=part))
+        now = linearise(last.beam, last.z, setting.outline, partly, (), np.empty(0))
+        way = np.linalg.solve(last.energy_hessian - now.hessian, now.load(last.multipliers) - last.energy_gradient)
+        try:
+            found = _newton(setting, partly, replace(last, z=last.z + way), order)
+            if found.correction > _DEPARTS * np.linalg.norm(way) or firmness(found.state, found.linear) <= 0:
+                raise NoEquilibriumError("the step departs from its prediction, or leads to what is not stable")
+            last, reached, step = found.state, part, 2 * step
+        except NoEquilibriumError as error:
+            step /= 2
+            if step < _LEAST:
+                share = f"{100 * reached:.3g} % of them"
+                raise NoEquilibriumError(f"the loads alone have no stable equilibrium beyond {share}") from error
+    return found
+
+
+def firmness(state: State, lin: Linearisation) -> float:
+    """How far a finger that nothing touches is from losing its stability (V's own, linear: 1): below 0 it has lost it.
+
+    The smallest eigenvalue of its Hessian. Where a load follows the finger, the smallest singular value of what is then
+    no Hessian, less than 0 where its determinant has changed its sign: it tells of divergence, not of flutter.
+    """
+    stiffness = state.energy_hessian - lin.hessian
+    if lin.push is None or lin.push.conservative:
+        return float(np.linalg.eigvalsh((stiffness + stiffness.T) / 2)[0])
+    sign = np.linalg.slogdet(stiffness)[0]
+    return float(sign * np.min(np.linalg.svd(stiffness, compute_uv=False)))
 
 
 def _fitted(setting: Setting, state: State, order: int) -> bool:

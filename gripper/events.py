@@ -10,8 +10,9 @@ import numpy as np
 from gripper.assemble import least_gaps
 from gripper.branch import Along, Path, bracketed, joined, pointed, released
 from gripper.certificate import survey
-from gripper.equilibrium import NoEquilibriumError, Setting
+from gripper.equilibrium import NoEquilibriumError, Setting, State, unloaded
 from gripper.features import feature_name, gone_and_come
+from gripper.obstacle import Obstacle
 from gripper.site import Site
 from gripper.turning import adjacent, changed
 
@@ -73,11 +74,12 @@ def _moves(old: Along, new: Along) -> list[float]:
 
 
 def _first(setting: Setting, path: Path, old: Along, new: Along, order: int) -> float:
-    """Where the straight finger is touched first, by a contact that the new pose still has."""
-    state, sites = old.equilibrium.state, new.equilibrium.state.sites
+    """Where the free finger is touched first, by a contact that the new pose still has."""
+    sites = new.equilibrium.state.sites
 
     def least(parameter: float, *, kept: bool) -> float:
         obstacle = setting.obstacle(path.frame(parameter))
+        state = _free(setting, obstacle, old)
         found = least_gaps(setting, obstacle, state, survey(setting, obstacle, state, brief=True))
         return min((g for g, at in found if any(_same(setting, at, site) for site in sites) == kept), default=np.inf)
 
@@ -87,15 +89,25 @@ def _first(setting: Setting, path: Path, old: Along, new: Along, order: int) -> 
     if least(where, kept=False) < -_GRAZED:
         raise NoEquilibriumError("the first contact has moved on within the step")
     points = replace(new, equilibrium=pointed(setting, new.equilibrium, order))
-    return joined(setting, path, Along(where, old.equilibrium), points, order)
+    obstacle = setting.obstacle(path.frame(where))
+    free = replace(old.equilibrium, state=_free(setting, obstacle, old), obstacle=obstacle)
+    return joined(setting, path, Along(where, free), points, order)
+
+
+def _free(setting: Setting, obstacle: Obstacle, old: Along) -> State:
+    """The finger that nothing touches, at a pose near to one where it is free: the same, unless its loads change."""
+    state = old.equilibrium.state
+    if setting.loads is None or setting.loads.steady:
+        return state
+    return unloaded(setting, obstacle, state.beam.order, state).state
 
 
 def touched_at(setting: Setting, path: Path, old: Along, stop: float) -> float:
-    """Where the straight finger is touched first."""
-    state = old.equilibrium.state
+    """Where the free finger is touched first."""
 
     def least(parameter: float) -> float:
         obstacle = setting.obstacle(path.frame(parameter))
+        state = _free(setting, obstacle, old)
         found = least_gaps(setting, obstacle, state, survey(setting, obstacle, state, brief=True))
         return min((gap for gap, _ in found), default=1.0) + _GRAZED
 

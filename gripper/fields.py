@@ -39,6 +39,11 @@ class Variables:
 
 
 @dataclasses.dataclass(frozen=True)
+class OfMotion:
+    """An expression in this field may hold the motion's parameter (for readers of text)."""
+
+
+@dataclasses.dataclass(frozen=True)
 class Nested:
     """A field that holds plugins of a group: a scene file writes each as a table of its own."""
 
@@ -53,6 +58,10 @@ Finite = Annotated[float, _FINITE]
 """Any finite number."""
 Expression = Annotated[float | sympy.Expr, Rule("be a finite number or an expression", _is_profile)]
 """A number or a sympy expression (a pose, in the motion's parameter)."""
+Varying = Annotated[
+    float | sympy.Expr, OfMotion(), Rule("be a finite number or an expression in the motion's parameter", _is_profile)
+]
+"""A number or a sympy expression in the motion's parameter."""
 Profile = Annotated[
     float | sympy.Expr, Variables(("s",)), Rule("be a finite number or an expression in s", _is_profile)
 ]

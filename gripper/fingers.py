@@ -117,8 +117,24 @@ class Jaw(ABC):
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
+class Base:
+    """What holds the finger at s = 0: its place is fixed, and it turns by M / k.
+
+    Parameters
+    ----------
+    rotational_stiffness
+        k, in N m per rad.
+    """
+
+    rotational_stiffness: Positive
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
 class Finger(Placeable, ABC):
-    """A flexible finger, clamped at s = 0; a plugin writes its thickness w(s).
+    """A flexible finger, held at s = 0; a plugin writes its thickness w(s).
 
     Parameters
     ----------
@@ -133,6 +149,8 @@ class Finger(Placeable, ABC):
     rest_curvature
         Curvature kappa0(s) of the unloaded axis, in 1/m: a number or an expression in s, positive towards the upper
         face; None for a straight finger.
+    base
+        What it is clamped in, where that yields; None for a rigid clamp.
     """
 
     length: Positive
@@ -140,6 +158,7 @@ class Finger(Placeable, ABC):
     material: Material
     jaw: Jaw | None = None
     rest_curvature: Profile | None = None
+    base: Base | None = None
 
     def __post_init__(self) -> None:
         check_fields(self)

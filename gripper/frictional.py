@@ -130,7 +130,7 @@ class FrictionTracker(Tracker):
         start = self.ledger.pace(Along(self.parameter, old), self.heading)
         stop = self.ledger.pace(Along(following, new), self.heading)
         step = booked(Balance(), start, stop, way)
-        stored = new.state.energy - old.state.energy
+        stored = new.stored - old.stored
         if abs(step.work - step.loss - stored) > _BALANCED * (abs(stored) + step.loss):
             return True
         return dips(start, stop, way)
@@ -145,7 +145,7 @@ class FrictionTracker(Tracker):
 
     def _meet(self, following: float) -> None:
         """The finger is free: go on to the first touch, and decide there how it holds."""
-        free = self._free(following)
+        free = self._free(following, self.current.equilibrium.state)
         if untouched(self.setting, free):
             self.parameter, self.current = following, free
             return
@@ -156,7 +156,7 @@ class FrictionTracker(Tracker):
         self.heading = float(np.sign(following - start))
         before = 2 * touch - near
         if (before - start) * self.heading > 0:  # so that the touch is located on a short step
-            self.parameter, self.current = before, self._free(before)
+            self.parameter, self.current = before, self._free(before, self.current.equilibrium.state)
         found = None
         try:
             found = self._decided(self._touched(near))

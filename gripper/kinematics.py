@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import sympy
 
-from gripper.obstacle import Frame
+from gripper.obstacle import Frame, Stage
 from gripper.pose import Pose, placed
 from gripper.scene import Scene
 
@@ -98,7 +98,8 @@ class Kinematics:
         inverse = cmath.exp(-1j * turn) / self.length
         origin = inverse * complex(xo - x, yo - y)
         velocity = inverse * complex(dxo - dx, dyo - dy) - 1j * dturn * origin
-        return Frame(origin, turn_o - turn, velocity, dturn_o - dturn, parameter)
+        stage = Stage(parameter, turn, 1.0, dturn)
+        return Frame(origin, turn_o - turn, velocity, dturn_o - dturn, parameter, stage)
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,4 +111,6 @@ class Retreat:
 
     def frame(self, parameter: float) -> Frame:
         """The object at a distance (by L) before its pose."""
-        return Frame(self.final.origin + parameter * self.direction, self.final.angle, self.direction, 0.0)
+        final = self.final
+        origin = final.origin + parameter * self.direction
+        return Frame(origin, final.angle, self.direction, 0.0, stage=final.stage.held())

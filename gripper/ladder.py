@@ -11,7 +11,8 @@ from typing import get_args
 from gripper.beam import Beam, BeamTheory
 from gripper.contact import linearise
 from gripper.contact_forces import NO_FORCE
-from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, kkt_step
+from gripper.enriched import relative_change
+from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting
 from gripper.result import PoseResult
 from gripper.scene import Scene
 
@@ -41,19 +42,20 @@ def suffices(scene: Scene, theory: BeamTheory, pose: PoseResult) -> bool:
 def theory_difference(setting: Setting, equilibrium: Equilibrium) -> float | None:
     """Relative change of the force vector with the next theory, to first order; None where there is no next one.
 
+    Of a finger that only its loads bend: of the tip's deflection.
+
     Accurate to the square of the difference, and to what a patch of contact changes (2e-4).
     """
     above, state = richer(setting.theory), equilibrium.state
     if above is None:
         return None
-    if not state.sites or abs(equilibrium.force) <= NO_FORCE:
+    unloaded = equilibrium.linear.push is None
+    if unloaded and (not state.sites or abs(equilibrium.force) <= NO_FORCE):
         return 0.0
     richly = Beam(setting.sections, state.beam.breaks, state.beam.order, above)
     there = replace(state, beam=richly, z=richly.embed(state.beam, state.z))
     lin = linearise(richly, there.z, setting.outline, equilibrium.obstacle, state.sites, state.multipliers)
     try:
-        dz, dmultipliers, dplaces = kkt_step(there, lin)
+        return relative_change(equilibrium, there, lin)
     except NoEquilibriumError:
         return None
-    change = lin.force_gradient @ dz + lin.force_multipliers @ dmultipliers + lin.force_places @ dplaces
-    return float(abs(change) / abs(equilibrium.force))

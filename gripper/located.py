@@ -160,7 +160,8 @@ class Course:
         frictionless = self.fixed.friction is None and not self._published
         booked = self.watch.balance
         snapped = self.buckled or booked.loss > _NO_LOSS * booked.put_in
-        return frictionless and not snapped and all(pose.status != "failed" for pose in self.poses)
+        known = self.watch.booked and all(pose.status != "failed" for pose in self.poses)
+        return frictionless and known and not snapped
 
     @property
     def _published(self) -> bool:
@@ -222,7 +223,7 @@ class Course:
         """Work put in, got back and lost, in J: none with the published friction, whose shape does no such work."""
         if self.loop:
             return self.loop.work_in, self.loop.work_out, self.loop.dissipation
-        if self._published:
+        if self._published or not self.watch.booked:
             return None, None, None
         unit, booked = self.fixed.sections.energy_scale, self.watch.balance
         return booked.put_in * unit, booked.given_back * unit, booked.loss * unit

@@ -3,11 +3,29 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gripper.arrays import Array, Complex
 from gripper.objects import Object
+
+if TYPE_CHECKING:
+    from gripper.acting import Acting
+
+
+@dataclass(frozen=True)
+class Stage:
+    """What loads depend on along a path: the motion's parameter, the clamp's angle in the world, and their rates."""
+
+    parameter: float = 0.0
+    turn: float = 0.0
+    pace: float = 0.0
+    turning: float = 0.0
+
+    def held(self) -> Stage:
+        """The same on a path along which the loads stay as they are."""
+        return Stage(self.parameter, self.turn)
 
 
 @dataclass(frozen=True)
@@ -20,6 +38,8 @@ class Frame:
     spin: float
     parameter: float | None = None
     """The motion's, where the pose is one of a motion."""
+    stage: Stage = Stage()
+    """What loads depend on."""
 
 
 def _plane(points: Complex) -> Array:
@@ -35,11 +55,12 @@ def _complex(points: Array) -> Complex:
 class Obstacle:
     """An object at a pose: g / L, grad g and L times its Hessian over points in the clamp's frame (lengths by L).
 
-    A Hessian H is given as the pair (a, b) with H v = a v + b conj(v): a is half its trace.
+    A Hessian H is given as the pair (a, b) with H v = a v + b conj(v): a is half its trace. ``acting`` is what else
+    loads the finger at this pose; None where nothing does.
     """
 
-    def __init__(self, body: Object, length: float, frame: Frame) -> None:
-        self.body, self.length, self.frame = body, length, frame
+    def __init__(self, body: Object, length: float, frame: Frame, acting: Acting | None = None) -> None:
+        self.body, self.length, self.frame, self.acting = body, length, frame, acting
         self._turn = complex(np.exp(1j * frame.angle))
         self.corners = self.place(_complex(body.corners))
 

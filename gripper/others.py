@@ -47,7 +47,7 @@ def other_solutions(setting: Setting, equilibrium: Equilibrium, heading: float) 
 
 def is_clear(setting: Setting, obstacle: Obstacle, order: int) -> bool:
     """Whether the straight finger does not touch the object."""
-    straight_at_rest = setting.sections.rest is None
+    straight_at_rest = setting.sections.rest is None and setting.loads is None
     if straight_at_rest and float(np.min(obstacle.gap(_straight(setting)))) < 0:  # quickly told, most often
         return False
     beam = setting.beam((), order)

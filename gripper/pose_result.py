@@ -14,6 +14,7 @@ from gripper.kept import Kept
 
 Vector = tuple[float, float]
 _FIRST = ("parameter", "status", "reason")
+_WHERE_THERE = ("work", "dissipation", "load_energy", "loads")
 _OF_FRICTION = ("singularity", "other_solutions")
 Status = Literal["free", "contact", "locked", "failed"]
 
@@ -89,20 +90,45 @@ class Contact(Record):
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
+class Applied(Record):
+    """What a load of the scene does to a section of the finger.
+
+    Parameters
+    ----------
+    load
+        Which of the scene's loads, counted from 0.
+    s
+        Of the section, in m; of a load along the whole axis its weighted place.
+    point
+        On the neutral axis, in the world, in m.
+    force
+        In N, world frame.
+    moment
+        About that point, in N m.
+    """
+
+    load: int
+    s: float
+    point: Vector
+    force: Vector
+    moment: float
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
 class Checks(Record):
     """What was verified of a pose; all None where it failed.
 
     Parameters
     ----------
     stationarity, force_balance
-        Relative to the total contact force.
+        Relative to the total contact force (and what else loads the finger).
     moment_balance
-        Relative to the total contact force times L.
+        Relative to that times L.
     stability
-        Smallest eigenvalue of the reduced Hessian, relative to the strain energy's own; None with friction.
+        Smallest eigenvalue of the reduced Hessian, relative to the strain energy's own; None where a singularity is.
     singularity
-        With friction: smallest singular value of the reduced tangent stiffness, which is not symmetric, relative to the
-        strain energy's own; 0 at a limit point. Else None.
+        With friction, or loads that follow the finger: smallest singular value of the reduced tangent stiffness, which
+        is not symmetric, relative to the strain energy's own; 0 at a limit point. It tells of no flutter. Else None.
     other_solutions
         With friction along a motion: other answers that Coulomb's law leaves at this pose, "free" or contacts that
         might stick; none where this is the only one that was found. Else None.
@@ -204,9 +230,9 @@ class PoseNumbers(Record):
     motion_force
         Work to be put in per unit of the motion's parameter, in J per unit (N, where the parameter is a length).
     clamp_moment
-        EI psi'(0), in N m: positive when the object pushes towards the finger's +y.
+        EI psi'(0), in N m, of contacts and loads: positive when the object pushes towards the finger's +y.
     energy
-        Strain energy, in J.
+        Strain energy (of a base that yields, too), in J.
     tip, tip_rotation
         Neutral axis at s = L, in m; psi(L) relative to the clamp, in rad.
     max_strain
@@ -236,6 +262,9 @@ class PoseResult(PoseNumbers):
         "free" (no contact), "contact", "locked" (friction holds it for any force) or "failed".
     reason
         Why it failed or locked.
+    load_energy
+        Potential of the scene's loads, in J, its zero where theirs are (a dead force's: its point at the clamp); None
+        where there are no loads, or one has no potential.
     work, dissipation
         With friction along a motion: work put in by the drive, and energy lost, since the motion began, in J.
     max_strain_s
@@ -244,6 +273,8 @@ class PoseResult(PoseNumbers):
         Smallest distance of the outlines, in m; negative: depth.
     contacts
         One entry a separate contact, ordered by s.
+    loads
+        What the scene's loads do, one entry a load and section.
     checks, error
         What was verified, and how far the force may be off.
     iterations
@@ -259,11 +290,13 @@ class PoseResult(PoseNumbers):
     """
 
     status: Status
+    load_energy: float | None = None
     work: float | None = None
     dissipation: float | None = None
     max_strain_s: float | None = None
     min_gap: float | None = None
     contacts: tuple[Contact, ...] = ()
+    loads: tuple[Applied, ...] = ()
     checks: Checks = Checks()
     error: ErrorEstimate = ErrorEstimate()
     iterations: int = 0
@@ -282,10 +315,10 @@ class PoseResult(PoseNumbers):
         return cls(parameter=parameter, status="failed", reason=reason, iterations=iterations, seconds=seconds)
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain data, ready for JSON: without the shape, which is for drawing, and without work where none is kept."""
+        """Plain data, ready for JSON: without the shape, which is for drawing, and without what the scene has not."""
         names = [field.name for field in dataclasses.fields(self) if field.name not in ("shape", "kept")]
         names.sort(key=(*_FIRST, *names).index)
-        written = (n for n in names if n not in ("work", "dissipation") or getattr(self, n) is not None)
+        written = (n for n in names if n not in _WHERE_THERE or getattr(self, n) not in (None, ()))
         return {name: jsonable(getattr(self, name)) for name in written} | {"checks": _written(self.checks)}
 
 

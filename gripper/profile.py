@@ -97,25 +97,28 @@ def unknown(setting: Setting, state: State, seen: Profile) -> str | None:
 
 @functools.lru_cache(maxsize=8)
 def largest_strain(setting: Setting, equilibrium: Equilibrium) -> tuple[float, float]:
-    """Largest abs(eps) + abs(kappa) w / 2 and its s (by L), both from the contact forces beyond each section.
+    """Largest abs(eps) + abs(kappa) w / 2 and its s (by L), both from the forces beyond each section.
 
     The forces and their moment are as good as the forces; the strain fields are right in the mean only.
     """
-    state, lin = equilibrium.state, equilibrium.linear
-    if not state.sites:
+    state, lin, acting = equilibrium.state, equilibrium.linear, equilibrium.obstacle.acting
+    if not state.sites and acting is None:
         return 0.0, 0.0
     seen = profile(setting, state)
     position, s = seen.position[seen.strain], seen.s[seen.strain]
     # which side of a force at a break a sample is on
     middle = s - np.tile((_ALONG - 0.5) * 1e-9, state.beam.segments)
     on_face = zip(state.sites, lin.stations, strict=True)
-    places = np.concatenate([u if site.on_face else np.full(u.size, 2.0) for site, u in on_face])
+    places = np.concatenate([np.zeros(0), *(u if site.on_face else np.full(u.size, 2.0) for site, u in on_face)])
     points, forces = loads(equilibrium)
     moments = ((points - position[:, None]).conj() * forces).imag
     beyond = places > middle[:, None]
-    moment = np.sum(moments * beyond, axis=1)
+    moment, force = np.sum(moments * beyond, axis=1), beyond @ forces
+    if acting is not None:
+        more = acting.beyond(state.axis, middle, seen.segment[seen.strain])
+        force, moment = force + more[0], moment + more[1]
     stretches = state.beam.stretches
-    along = dot(np.exp(1j * seen.psi[seen.strain]), beyond @ forces) if stretches else np.zeros(s.size)
+    along = dot(np.exp(1j * seen.psi[seen.strain]), force) if stretches else np.zeros(s.size)
     if setting.sections.law is not None:
         response, strains = responding(setting, state, seen, seen.strain)
         strain = response.loaded(strains, moment, along)

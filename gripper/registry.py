@@ -31,7 +31,7 @@ class Record:
     Parameters
     ----------
     group
-        gripper.objects, gripper.fingers or gripper.jaws.
+        gripper.objects, gripper.fingers, gripper.jaws or gripper.loads.
     name
         As a scene file writes it.
     distribution, version
@@ -48,7 +48,7 @@ class Record:
 
     @property
     def kind(self) -> str:
-        """Object, finger or jaw, in lower case."""
+        """Object, finger, jaw or load, in lower case."""
         return _KINDS[self.group].word
 
     def __str__(self) -> str:
@@ -65,8 +65,9 @@ class _Kind:
 
 _KINDS = {
     "gripper.objects": _Kind("object", "gripper.objects:Object", frozenset({"surface", "pose"})),
-    "gripper.fingers": _Kind("finger", "gripper.fingers:Finger", frozenset({"profile", "pose", "base"})),
+    "gripper.fingers": _Kind("finger", "gripper.fingers:Finger", frozenset({"profile", "pose"})),
     "gripper.jaws": _Kind("jaw", "gripper.fingers:Jaw", frozenset({"shape"})),
+    "gripper.loads": _Kind("load", "gripper.loads:Load", frozenset({"type"})),
 }
 OWN = "gripper"
 """The distribution of this project."""
@@ -123,7 +124,7 @@ def load(group: str, name: str) -> type[Any]:
     Parameters
     ----------
     group
-        gripper.objects, gripper.fingers or gripper.jaws.
+        gripper.objects, gripper.fingers, gripper.jaws or gripper.loads.
     name
         As a scene file writes it.
 

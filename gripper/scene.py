@@ -10,6 +10,7 @@ from gripper.fields import Finite, Point, Positive, check_fields
 from gripper.fingers import Finger
 from gripper.friction import Friction
 from gripper.limits import Limits
+from gripper.loads import Load
 from gripper.objects import Object
 from gripper.pose import Placed, placed
 from gripper.tolerances import Tolerances
@@ -79,6 +80,8 @@ class Scene:
         What the design asks of the summary's numbers; judged on request.
     tolerances
         How far its numbers may be off; reckoned with on request.
+    loads
+        What acts on the finger besides the object.
     """
 
     finger: Placed[Finger] | Finger
@@ -92,6 +95,7 @@ class Scene:
     title: str = ""
     limits: Limits | None = None
     tolerances: Tolerances | None = None
+    loads: tuple[Load, ...] = ()
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -103,6 +107,7 @@ class Scene:
             raise ValueError(f"approach must be a direction other than (0, 0); got {self.approach!r}")
         if self.friction is not None:
             self.friction.check(placed(self.finger).body.length, moving=self.motion is not None)
+        self._check_loads()
         known = {self.motion.parameter} if self.motion else set()
         for name in ("finger", "object"):
             unknown = {symbol.name for symbol in placed(getattr(self, name)).pose.parameters} - known
@@ -113,3 +118,9 @@ class Scene:
                 raise ValueError(
                     f"the pose of the {name} must depend on {parameter}; got {', '.join(sorted(unknown))!r}"
                 )
+
+    def _check_loads(self) -> None:
+        """Each is a load; whether it fits the finger shows when both are compiled."""
+        for load in self.loads:
+            if not isinstance(load, Load):
+                raise ValueError(f"loads must be instances of gripper.loads.Load; got {load!r}")

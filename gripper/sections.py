@@ -45,6 +45,8 @@ class Sections:
     kinks: tuple[float, ...]
     rest: Rest | None
     """The shape of the unloaded axis; None where it is straight."""
+    base: float | None
+    """Rotational stiffness of what holds it, times L over EI(0); None where that is rigid."""
     thickness_bounds: tuple[float, float, float]
     """Upper bounds of w / L, abs(dw/ds), L abs(d2w/ds2), proved by interval arithmetic (infinite where it cannot)."""
     law: SectionLaw | None
@@ -136,7 +138,8 @@ def sections(finger: Finger) -> Sections:
             raise ValueError(f"rest_curvature times half the thickness must stay below 1; got up to {folded:.3g}")
         kinks = tuple(sorted({*kinks, *bent.kinks}))
     law = section_law(finger.material)
-    return Sections(finger, finger.length, scale, kinks, bent, bounds, law, thickness, stiffness, profile)
+    base = None if finger.base is None else finger.base.rotational_stiffness * finger.length / scale
+    return Sections(finger, finger.length, scale, kinks, bent, base, bounds, law, thickness, stiffness, profile)
 
 
 def _bounds(w: sympy.Expr, length: float) -> tuple[float, float, float]:

@@ -14,6 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from gripper.acting import Acting
 from gripper.active import find
 from gripper.answer import Answer, discretisation_error
 from gripper.branch import Along, Path
@@ -24,6 +25,7 @@ from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, State,
 from gripper.events import STRUT, Change, changes, head_on
 from gripper.features import transition
 from gripper.loop import Loop
+from gripper.obstacle import Frame
 from gripper.patches import settle_contacts
 from gripper.result import PoseResult
 from gripper.site import Site, pointed
@@ -61,7 +63,7 @@ class Tracker:
     path
         Frames of the object over a parameter.
     parameter
-        Where it starts; the straight finger must be free there.
+        Where it starts; the finger must be free there.
     order
         Order of the strain fields to start with.
     events
@@ -72,7 +74,7 @@ class Tracker:
     Raises
     ------
     NoEquilibriumError
-        Where the straight finger is not free at the start.
+        Where the finger is not free at the start.
     """
 
     watch: Watch | None = None
@@ -95,7 +97,7 @@ class Tracker:
         self._travelled = (math.nan, math.nan, 0.0)
         self.current = free or self._free(parameter)
         if free is None and not untouched(setting, self.current):
-            raise NoEquilibriumError("the straight finger is not free of the object at the start")
+            raise NoEquilibriumError("the finger is not free of the object at the start")
 
     @classmethod
     def resume(cls, setting: Setting, path: Path, parameter: float, order: int, current: Verified) -> Tracker:
@@ -184,23 +186,32 @@ class Tracker:
         return min(float(np.min(self.setting.sections.thickness(_ALONG))) / 4, _SHALLOW)
 
     def _travel(self, start: float, stop: float) -> float:
-        """Length of the object's relative path (by L), its turning included."""
+        """Length of the object's relative path (by L), its turning included, and of what changing loads move."""
         if self._travelled[:2] != (start, stop):
             frames = [self.path.frame(start + (stop - start) * i / _TURNS) for i in range(_TURNS + 1)]
             size = max(map(abs, self.setting.body.box)) / self.setting.sections.length
             reach = min(size * math.sqrt(2.0), 2.0)
             moved = [abs(b.origin - a.origin) + reach * abs(b.angle - a.angle) for a, b in itertools.pairwise(frames)]
-            self._travelled = start, stop, math.fsum(moved)
+            self._travelled = start, stop, math.fsum(moved) + self._swayed(frames)
         return self._travelled[2]
+
+    def _swayed(self, frames: list[Frame]) -> float:
+        """About how far (by L) the loads move the finger where they change: as a cantilever's tip, sqrt(3) d = |z|."""
+        loads = self.setting.loads
+        if loads is None or loads.steady:
+            return 0.0
+        axis = self.current.equilibrium.state.axis
+        forces = np.array([Acting(loads, frame.stage).push(axis).force for frame in frames])
+        return float(np.linalg.norm(np.diff(forces, axis=0), axis=1).sum() / np.sqrt(3.0))
 
     @property
     def sites(self) -> tuple[Site, ...]:
         """The contacts of the current equilibrium."""
         return self.current.equilibrium.state.sites
 
-    def _free(self, parameter: float) -> Verified:
-        """The straight finger and what the object leaves of it."""
-        free = unloaded(self.setting, self.setting.obstacle(self.path.frame(parameter)), self.order)
+    def _free(self, parameter: float, near: State | None = None) -> Verified:
+        """The finger without contacts, straight where no loads bend it, and what the object leaves of it."""
+        free = unloaded(self.setting, self.setting.obstacle(self.path.frame(parameter)), self.order, near)
         return Verified(free, survey(self.setting, free.obstacle, free.state, brief=True))
 
     def _at(self, parameter: float, state: State) -> Verified:
@@ -209,7 +220,7 @@ class Tracker:
 
     def _step(self, following: float) -> None:
         if not self.sites:
-            free = self._free(following)
+            free = self._free(following, self.current.equilibrium.state)
             if untouched(self.setting, free):
                 self.parameter, self.current = following, free
                 return
@@ -218,7 +229,7 @@ class Tracker:
         self._accept(following, self._followed(following))
 
     def _touched(self, following: float, known: Survey | None = None) -> Verified:
-        """The finger is straight now and the object would penetrate it: SLSQP finds the contacts."""
+        """The finger is free now and the object would penetrate it: SLSQP finds the contacts."""
         start = self.current.equilibrium.state
         obstacle = self.setting.obstacle(self.path.frame(following))
         try:
@@ -234,13 +245,17 @@ class Tracker:
         return found
 
     def _pushed(self, found: Verified) -> State:
-        """The straight finger bent by the least that closes the gaps where it touches now, to first order."""
+        """The free finger bent by the least energy that closes the gaps where it touches now, to first order."""
         sites = tuple(pointed(site) for site in found.equilibrium.state.sites)
-        beam = self.setting.beam(sites, self.order)
+        beam, obstacle, none = self.setting.beam(sites, self.order), found.equilibrium.obstacle, np.zeros(len(sites))
         state = State(beam, np.zeros(beam.size))
-        obstacle, loads = found.equilibrium.obstacle, np.zeros(len(sites))
-        lin = linearise(state.beam, state.z, self.setting.outline, obstacle, sites, loads, kinks=False)
-        return replace(state, z=np.linalg.lstsq(lin.gradients, -lin.values)[0])
+        if obstacle.acting is not None:
+            state = unloaded(self.setting, obstacle, self.order, self.current.equilibrium.state).state.on(beam)
+        lin = linearise(state.beam, state.z, self.setting.outline, obstacle, sites, none, kinks=False)
+        if lin.push is None:
+            return replace(state, z=np.linalg.lstsq(lin.gradients, -lin.values)[0])
+        yielding = np.linalg.solve(state.energy_hessian - lin.hessian, lin.gradients.T)
+        return replace(state, z=state.z + yielding @ np.linalg.lstsq(lin.gradients @ yielding, -lin.values)[0])
 
     def _followed(self, following: float) -> Verified:
         """Predict along the tangent and correct; SLSQP where the contacts change on the way."""

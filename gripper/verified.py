@@ -10,7 +10,7 @@ from gripper.assemble import least_gaps
 from gripper.beam import legendre
 from gripper.certificate import Survey, survey
 from gripper.contact import linearise
-from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting
+from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, firmness
 from gripper.site import NARROW
 
 _RIPPLE = 3e-2  # of the largest pressure: what a polynomial may leave where the pressure has decayed
@@ -84,7 +84,7 @@ def _adrift(setting: Setting, equilibrium: Equilibrium) -> str | None:
     """
     state = equilibrium.state
     nodes = [site for site in state.sites if site.kind == "node"]
-    loose = [site for site in nodes if all(abs(site.middle - kink) > _AT_KINK for kink in setting.sections.kinks)]
+    loose = [site for site in nodes if all(abs(site.middle - kink) > _AT_KINK for kink in setting.kinks)]
     if not loose:
         return None
     sites = tuple(replace(site, kind="tangent", grip=None) for site in loose)
@@ -96,12 +96,12 @@ def _adrift(setting: Setting, equilibrium: Equilibrium) -> str | None:
 def stability(equilibrium: Equilibrium) -> float:
     """Smallest eigenvalue of the Hessian reduced to the motions that the contacts leave free (V's own, linear: 1).
 
-    With friction, whose stiffness is not symmetric: its :func:`singularity`.
+    With friction or loads that follow the finger, whose stiffness is not symmetric: its :func:`singularity`.
     """
     lin = equilibrium.linear
     if not len(lin.values):
-        return 1.0
-    if lin.rubbing is not None:
+        return 1.0 if lin.push is None else firmness(equilibrium.state, lin)
+    if one_sided(equilibrium):
         return singularity(equilibrium)
     # places follow the motion: eliminate them where the gap is curved (points); where it is flat the tangent itself
     # is held; a patch is held by its pressures
@@ -121,8 +121,16 @@ def stability(equilibrium: Equilibrium) -> float:
     return float(np.linalg.eigvalsh((reduced + reduced.T) / 2)[0])
 
 
+def one_sided(equilibrium: Equilibrium) -> bool:
+    """Whether the stiffness is not symmetric: no energy decides on stability, a determinant's sign does."""
+    lin = equilibrium.linear
+    return lin.rubbing is not None or (lin.push is not None and not lin.push.conservative)
+
+
 def singularity(equilibrium: Equilibrium) -> float:
-    """With friction: how far the tangent stiffness of the free motions is from singular (V's own, linear: 1).
+    """How far the tangent stiffness of the free motions is from singular where it is not symmetric.
+
+    It is not with friction, nor with loads that follow the finger. V's own, under the linear law, is 1.
 
     It is the smallest singular value, less than 0 where the determinant has changed its sign since mu = 0. As mu
     vanishes it becomes the smallest eigenvalue of the reduced Hessian.

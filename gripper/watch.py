@@ -114,15 +114,24 @@ class Watch:
 
     # work
 
+    @property
+    def booked(self) -> bool:
+        """Whether work shows in what is stored: not where loads follow the finger, or change along the motion."""
+        return self.setting.loads is None or self.setting.loads.closed
+
     def _leap(self, to: Along) -> None:
         """Book the energy that is lost in a snap, between the last equilibrium and this one."""
         last, self._stood = self._stood, to
+        if not self.booked:
+            return
         if last is not None and last.parameter != to.parameter:
-            self._add([], last.equilibrium.state.energy - to.equilibrium.state.energy)
+            self._add([], last.equilibrium.stored - to.equilibrium.stored)
 
     def _book(self, before: Along, after: Along, changed: Sequence[float], order: int) -> None:
         """Book the work of a step: where the drive changes its sign, energy has an extremum between the ends."""
-        ends = before.equilibrium.state.energy, after.equilibrium.state.energy
+        if not self.booked:
+            return
+        ends = before.equilibrium.stored, after.equilibrium.stored
         if drive(before.equilibrium) * drive(after.equilibrium) >= 0:
             self._add(ends)
             return
@@ -138,7 +147,7 @@ class Watch:
     def _turn(self, first: Along, last: Along, order: int) -> list[float]:
         """Energies at and near the extremum between two equilibria of one branch."""
         if drive(first.equilibrium) * drive(last.equilibrium) >= 0:
-            return [first.equilibrium.state.energy, last.equilibrium.state.energy]
+            return [first.equilibrium.stored, last.equilibrium.stored]
         points = [first, last]
         near = _where_extreme(first, last)
         try:
@@ -201,7 +210,7 @@ class Watch:
 
 def _energies(first: Along, last: Along) -> Array:
     """The energy between two equilibria of one branch, its slope being the drive, at marks (k,)."""
-    ends = [np.array([at.equilibrium.state.energy, drive(at.equilibrium)]) for at in (first, last)]
+    ends = [np.array([at.equilibrium.stored, drive(at.equilibrium)]) for at in (first, last)]
     return cubic(ends[0], ends[1], last.parameter - first.parameter, MARKS)
 
 

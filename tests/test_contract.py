@@ -8,8 +8,9 @@ import pytest
 import sympy
 
 from gripper.fingers import Finger, Jaw, Material, S
+from gripper.loads import Load
 from gripper.objects import Object
-from gripper.testing import FINGER_PROPERTIES, JAW_PROPERTIES, OBJECT_PROPERTIES
+from gripper.testing import FINGER_PROPERTIES, JAW_PROPERTIES, LOAD_PROPERTIES, OBJECT_PROPERTIES
 from gripper.testing.contract import run
 from gripper_plugins.objects import Circle, Ellipse, HalfPlane, Polygon
 
@@ -18,6 +19,7 @@ ELBOW = ((0.0, 0.0), (0.04, 0.0), (0.04, 0.01), (0.01, 0.01), (0.01, 0.03), (0.0
 HEXAGON = tuple((0.05 * np.cos(a), 0.04 * np.sin(a)) for a in np.arange(6) * np.pi / 3)
 BEAN = tuple((0.04 * np.cos(a), (0.02 + 0.012 * np.cos(2 * a)) * np.sin(a)) for a in np.arange(14) * np.pi / 7)
 BLOCK = Polygon(vertices=((-0.05, -0.04), (0.05, -0.04), (0.05, 0.0), (-0.05, 0.0)))
+Q = sympy.Symbol("q")
 DIE = Circle(radius=0.015)
 BEAM = {"length": 0.1, "width": 0.02, "material": RUBBER}
 
@@ -90,6 +92,19 @@ SAMPLES = {
         ],
         "polygon": [{"vertices": ELBOW}, {"vertices": ((0, -0.01), (0.01, -0.01), (0.0, -0.02))}],
     },
+    "gripper.loads": {
+        "following_force": [{"force": (0.0, 2.0)}, {"force": (-Q, 2 * Q), "s": 0.03, "offset": (0.01, -0.002)}],
+        "force": [
+            {"force": (0.5, -2.0)},
+            {"force": (Q, 1.0 - Q**2), "s": 0.04, "offset": (0.01, 0.002), "frame": "finger"},
+        ],
+        "gravity": [{"density": 1200.0}, {"mass_per_length": 0.1 + S / 10, "acceleration": (9.81 * sympy.sin(Q), 0.0)}],
+        "moment": [{"moment": -0.02}, {"moment": 0.1 * Q, "s": 0.05}],
+        "tendon": [
+            {"tension": 3.0, "offset": -0.004, "guides": (0.03, 0.1)},
+            {"tension": Q, "offset": 0.002, "guides": (0.1,)},
+        ],
+    },
 }
 BAD = {
     "gripper.objects": {
@@ -128,6 +143,13 @@ BAD = {
         ],
         "polygon": [("vertices", ELBOW[:2]), ("vertices", ((0, 0), (2, 1), (2, 0), (0, 1.5)))],
     },
+    "gripper.loads": {
+        "following_force": [("s", 0.0), ("force", (1.0,)), ("force", (np.nan, 0.0))],
+        "force": [("s", -0.1), ("force", (1.0, "down")), ("frame", "object")],
+        "gravity": [("density", None), ("mass_per_length", 0.1), ("acceleration", (0.0, np.inf))],
+        "moment": [("moment", np.inf), ("s", 0.0)],
+        "tendon": [("tension", -1.0), ("guides", ()), ("guides", (0.05, 0.02)), ("offset", np.nan)],
+    },
 }
 INSTALLED = [(entry.group, entry.name, entry) for group in SAMPLES for entry in entry_points(group=group)]
 
@@ -148,13 +170,16 @@ every_plugin = pytest.mark.parametrize(("plugin", "arguments"), list(parameters(
 every_object = pytest.mark.parametrize("surface", made("objects"))
 every_finger = pytest.mark.parametrize("finger", made("fingers"))
 every_jaw = pytest.mark.parametrize("jaw", made("jaws"))
+every_load = pytest.mark.parametrize("load", made("loads"))
 
 
 @pytest.mark.parametrize(("group", "name", "entry"), INSTALLED)
 def test_every_installed_plugin_has_samples_and_bad_values_here(group, name, entry):
     assert SAMPLES[group].get(name), f"give {group} {name} a sample"
     assert name in BAD[group], f"give {group} {name} bad values"
-    assert issubclass(entry.load(), {"objects": Object, "fingers": Finger, "jaws": Jaw}[group.split(".")[1]])
+    assert issubclass(
+        entry.load(), {"objects": Object, "fingers": Finger, "jaws": Jaw, "loads": Load}[group.split(".")[1]]
+    )
 
 
 @every_plugin
@@ -197,6 +222,12 @@ def test_a_finger(finger, check):
 @pytest.mark.parametrize("check", JAW_PROPERTIES, ids=lambda check: check.__name__)
 def test_a_jaw(jaw, check):
     run(jaw, (check,))
+
+
+@every_load
+@pytest.mark.parametrize("check", LOAD_PROPERTIES, ids=lambda check: check.__name__)
+def test_a_load(load, check):
+    run(load, (check,))
 
 
 @every_finger

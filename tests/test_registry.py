@@ -4,10 +4,11 @@ import textwrap
 import pytest
 
 from gripper.fingers import Finger, Jaw
+from gripper.loads import Load
 from gripper.objects import Object
 from gripper.registry import GROUPS, PluginError, check, installed, load, unreadable
 
-BASES = {"gripper.objects": Object, "gripper.fingers": Finger, "gripper.jaws": Jaw}
+BASES = {"gripper.objects": Object, "gripper.fingers": Finger, "gripper.jaws": Jaw, "gripper.loads": Load}
 
 GOOD_JAW = """
 from dataclasses import dataclass

@@ -84,7 +84,15 @@ REFUSED = {
     SCENE + "[limits]\nmax_force = 3\n": "limits.max_force: must be a known key: max_insertion_force",
     SCENE + "[limits]\n": "limits: must hold at least one of max_insertion_force",
     SCENE + "[limits]\nmax_strain = 'x'\n": "limits.max_strain: ",
-    SCENE + "[[loads]]\nforce = 3\n": "loads: must be left out",
+    SCENE + "[[loads]]\nforce = 3\n": "loads[0].type: must be one of following_force, force, gravity, ",
+    SCENE + "[loads]\ntype = 'force'\n": "loads: must be an array of tables, [[loads]]; got a table of type",
+    SCENE + "[[loads]]\ntype = 'wind'\n": "loads[0].type: must be a plugin that works (unknown load 'wind'; known: ",
+    SCENE + "[[loads]]\ntype = 'force'\nforce = [0, 'q']\n": "loads[0].force[1]: must hold known names only, not 'q'",
+    SCENE + "[[loads]]\ntype = 'force'\nforce = [0, 1]\ns = '58 mm'\n": "loads: a load must act above s = 0 and up to",
+    SCENE + "[[loads]]\ntype = 'gravity'\n": "loads[0]: density must be given, in kg/m^3, or else mass_per_length",
+    SCENE
+    + "[friction]\ncoefficient = 0.2\nsense = 'tipward'\n"
+    + "[[loads]]\ntype = 'following_force'\nforce = [0, 1]\n": "loads must have a potential that stays as it is",
     SCENE
     + "[tolerance]\nlength = 3\n": "tolerance.length: must be the key of a number (unknown number 'length'; known: ",
     SCENE
@@ -96,10 +104,11 @@ REFUSED = {
     "title = 3\n" + SCENE: "title: must be a text; got 3",
     "material = 3\n" + FINGER + OBJECT: "material: must be a table; got 3",
     MATERIAL + FINGER.replace("[finger]", "[[finger]]") + OBJECT: "finger: must be one table, [finger]",
-    SCENE + "[finger.base]\nx = 1\n": "finger.base: must be left out",
+    SCENE + "[finger.base]\nx = 1\n": "finger.base.x: must be a known key: rotational_stiffness",
+    SCENE + "[finger.base]\nrotational_stiffness = 0\n": "finger.base.rotational_stiffness: must be a positive number",
     with_key(SCENE, "object", "radus = 3"): "object.radus: must be a known key: surface, pose, radius",
     with_key(SCENE, "finger", "thicknes = 3"): "did you mean 'thickness'?",
-    with_key(SCENE, "finger", "material = 3"): "finger.material: must be a known key: profile, pose, jaw, length",
+    with_key(SCENE, "finger", "material = 3"): "finger.material: must be a known key: profile, pose, jaw, base, ",
     with_key(SCENE, "object", '"ra\\ndius" = 3'): "object.'ra\\ndius': must be a known key",
     without(SCENE, 'radius = "8.9 mm"'): "object.radius: must be given; got surface",
     without(SCENE, 'length = "57 mm"', 'width = "9.5 mm"'): "finger.length, finger.width: must be given; got profile",
@@ -420,11 +429,14 @@ def test_every_installed_plugin_says_which_keys_are_missing():
         "gripper.objects": MATERIAL + FINGER + '[object]\nsurface = "{name}"\n',
         "gripper.fingers": MATERIAL + OBJECT + '[finger]\nprofile = "{name}"\n',
         "gripper.jaws": SCENE + '[finger.jaw]\nshape = "{name}"\n',
+        "gripper.loads": SCENE + '[[loads]]\ntype = "{name}"\n',
     }
     for group, template in templates.items():
         for record in installed(group):
             text = template.format(name=record.name)
-            if any(field.default is dataclasses.MISSING for field in dataclasses.fields(load(group, record.name))):
+            if record.name == "gravity":
+                assert "must be given, in kg/m^3, or else" in message_of(text)
+            elif any(field.default is dataclasses.MISSING for field in dataclasses.fields(load(group, record.name))):
                 assert "must be given; got" in message_of(text)
             else:
                 assert loads(text)

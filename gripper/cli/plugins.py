@@ -8,7 +8,7 @@ import typer
 
 
 def plugins() -> None:
-    """List the objects, fingers and jaws that are installed, and whether they can be used."""
+    """List the objects, fingers, jaws and loads that are installed, and whether they can be used."""
     from rich.console import Console
     from rich.table import Table
 

@@ -34,6 +34,7 @@ def check_whole(scene: Scene, place: Place) -> None:
     finger, target = placed(scene.finger), placed(scene.object)
     profile = _profile(finger.body, place.at("finger"))
     _check_room(target.body, place.at("object"))
+    _check_loads(scene, profile, place.at("loads"))
     clamp = _poses(finger.pose, scene.motion, place.at("finger"))
     body = _poses(target.pose, scene.motion, place.at("object"))
     away = (body - clamp)[:, :2]
@@ -41,6 +42,18 @@ def check_whole(scene: Scene, place: Place) -> None:
     if far.any():
         rule = f"must stay within {FARTHEST:g} finger lengths of the clamp, in m"
         raise place.at("object").at("pose").error(rule, f"{tuple(away[far][0].tolist())} from it")
+
+
+def _check_loads(scene: Scene, profile: Sections, place: Place) -> None:
+    """Compile the loads on their finger."""
+    if not scene.loads:
+        return
+    from gripper.compiled_loads import compiled_loads  # here, because most scenes have none
+
+    try:
+        compiled_loads(scene, profile)
+    except ValueError as error:
+        raise place.broken(error) from None
 
 
 def _profile(finger: Finger, place: Place) -> Sections:

@@ -10,8 +10,9 @@ import sympy
 
 from gripper.expression import is_name, is_reserved
 from gripper.fields import Point
-from gripper.fingers import Finger, Jaw, Material
+from gripper.fingers import Base, Finger, Jaw, Material
 from gripper.friction import Friction, Model, Sense
+from gripper.loads import Load
 from gripper.objects import Object
 from gripper.pose import Placed, Pose
 from gripper.registry import OWN, PluginError, installed, load, record_of
@@ -25,15 +26,24 @@ from gripper.scenefile.place import (
     as_table,
     check_given,
     check_keys,
-    check_unreserved,
     shown,
 )
 from gripper.scenefile.tables import build
 from gripper.scenefile.values import converted, read_count, read_expression, read_number
 
-_KEYS = ("title", "material", "finger", "object", "motion", "approach", "friction", "solver", "limits", "tolerance")
-_NOT_BUILT = "reserved for a feature that is not built yet"
-_RESERVED = {"loads": _NOT_BUILT}
+_KEYS = (
+    "title",
+    "material",
+    "finger",
+    "object",
+    "motion",
+    "approach",
+    "friction",
+    "loads",
+    "solver",
+    "limits",
+    "tolerance",
+)
 _SOLVER_FIELDS = {key: f"solver.{key}" for key in ("theory", "tolerance", "theory_tolerance")}
 _SCENE_FIELDS = (
     _SOLVER_FIELDS
@@ -50,7 +60,6 @@ Names = tuple[str, ...]
 
 def scene(tables: Table, place: Place) -> Scene:
     """Make the scene of a file's tables."""
-    check_unreserved(tables, _RESERVED, place)
     check_keys(tables, _KEYS, place)
     check_given(tables, ("material", "finger", "object"), place)
     motion = _motion(*_section(tables, "motion", place)) if "motion" in tables else None
@@ -60,6 +69,8 @@ def scene(tables: Table, place: Place) -> Scene:
     target = _object(*_section(tables, "object", place), names)
     optional = _approach(*_section(tables, "approach", place)) | _solver(*_section(tables, "solver", place))
     optional |= _friction(*_section(tables, "friction", place))
+    if "loads" in tables:
+        optional["loads"] = _loads(tables["loads"], place.at("loads"), names)
     if "limits" in tables:
         optional["limits"] = read_limits(tables["limits"], place.at("limits"))
     optional["title"] = _title(tables, place)
@@ -113,17 +124,28 @@ def _finger(value: Any, place: Place, material: Material, names: Names) -> Place
     if isinstance(value, list):
         raise place.error("must be one table, [finger] (several fingers are not built yet)", f"{len(value)} of them")
     table = as_table(value, place)
-    check_unreserved(table, {"base": _NOT_BUILT}, place)
     cls: type[Finger] = _plugin("gripper.fingers", "profile", table, place)
     jaw = _jaw(*_section(table, "jaw", place)) if "jaw" in table else None
+    base = build(Base, *_section(table, "base", place)) if "base" in table else None
     pose = _pose(*_section(table, "pose", place), names)
-    made = {"material": material, "jaw": jaw}
-    return Placed(_sound(build(cls, table, place, made, ("profile", "pose", "jaw")), place), pose)
+    made = {"material": material, "jaw": jaw, "base": base}
+    return Placed(_sound(build(cls, table, place, made, ("profile", "pose", "jaw", "base")), place), pose)
 
 
 def _jaw(table: Table, place: Place) -> Jaw:
     cls: type[Jaw] = _plugin("gripper.jaws", "shape", table, place)
     return _sound(build(cls, table, place, other=("shape",)), place)
+
+
+def _loads(value: Any, place: Place, names: Names) -> tuple[Load, ...]:
+    if not isinstance(value, list):
+        raise place.error("must be an array of tables, [[loads]]", shown(value))
+    found = []
+    for i, item in enumerate(value):
+        table, at = as_table(item, place.entry(i)), place.entry(i)
+        cls: type[Load] = _plugin("gripper.loads", "type", table, at)
+        found.append(_sound(build(cls, table, at, other=("type",), names=names), at))
+    return tuple(found)
 
 
 def _object(table: Table, place: Place, names: Names, depth: int = 0) -> Placed[Object]:
@@ -158,13 +180,13 @@ def _pose(table: Table, place: Place, names: Names) -> Pose:
     return Pose(**{key: read_expression(value, names, place.at(key)) for key, value in table.items()})
 
 
-def rebuilt(cls: type[Any], table: Table, made: Table) -> Any:
+def rebuilt(cls: type[Any], table: Table, made: Table, names: Names = ()) -> Any:
     """Make an instance of a plugin from its own table, as a scene file's; fields ``made`` are given."""
 
     def nest(_: str, value: Any, at: Place) -> Placed[Object]:
         return _object(as_table(value, at), at, ())
 
-    return build(cls, table, Place("scene", "table"), made, nest=nest)
+    return build(cls, table, Place("scene", "table"), made, nest=nest, names=names)
 
 
 def _motion(table: Table, place: Place) -> Motion:

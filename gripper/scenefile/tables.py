@@ -24,6 +24,7 @@ def build(
     made: Table | None = None,
     other: Iterable[str] = (),
     nest: Nest | None = None,
+    names: tuple[str, ...] = (),
 ) -> Instance:
     """Make an instance of a frozen dataclass, a plugin or the material, from a table.
 
@@ -41,6 +42,8 @@ def build(
         Keys of the table that are not fields.
     nest
         Makes the plugins that stand in fields of this one.
+    names
+        Symbols of the motion that expressions may hold where a field says so.
 
     Raises
     ------
@@ -54,7 +57,7 @@ def build(
     own = {key: value for key, value in table.items() if key not in other}
     try:
         annotations = get_type_hints(cls, include_extras=True)
-        values = {name: converted(annotations[name], value, place.at(name), nest) for name, value in own.items()}
+        values = {name: converted(annotations[name], value, place.at(name), nest, names) for name, value in own.items()}
         return _validated(cls, made | values)
     except ValidationError as error:
         raise _translated(error, own, place) from None

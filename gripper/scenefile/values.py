@@ -10,11 +10,12 @@ from typing import Annotated, Any, TypeAlias, Union, get_args, get_origin
 import sympy
 
 from gripper.expression import number, parse
-from gripper.fields import Nested, Variables
+from gripper.fields import Nested, OfMotion, Variables
 from gripper.scenefile.place import Place, shown
 
 Nest: TypeAlias = Callable[[str, Any, Place], Any]
 """Makes a plugin of a group from a table at a place."""
+Names: TypeAlias = tuple[str, ...]
 
 LARGEST = 1e30
 """Magnitude of a number, in SI units: its square's square is still a float."""
@@ -65,10 +66,11 @@ def _computed(text: str, place: Place, compute: Callable[[str], Any]) -> Any:
         raise place.broken(error) from None
 
 
-def converted(annotation: Any, value: Any, place: Place, nest: Nest | None = None) -> Any:
+def converted(annotation: Any, value: Any, place: Place, nest: Nest | None = None, names: Names = ()) -> Any:
     """Turn what TOML gave into what an annotation asks for: expressions, numbers and tuples of them.
 
-    What is no number passes as it is: pydantic judges it. ``nest`` makes the plugins within a plugin.
+    What is no number passes as it is: pydantic judges it. ``nest`` makes the plugins within a plugin; ``names`` are the
+    motion's.
     """
     origin, arguments = get_origin(annotation), get_args(annotation)
     if origin is Annotated:
@@ -77,11 +79,13 @@ def converted(annotation: Any, value: Any, place: Place, nest: Nest | None = Non
             return nest(nested.group, value, place)
         variables = next((item for item in arguments[1:] if isinstance(item, Variables)), None)
         plain = arguments[0]
-        return _text(plain, value, variables, place) if variables else converted(plain, value, place, nest)
+        if any(isinstance(item, OfMotion) for item in arguments[1:]):
+            return read_expression(value, names, place)
+        return _text(plain, value, variables, place) if variables else converted(plain, value, place, nest, names)
     if origin in (Union, UnionType):
-        return _one_of(arguments, value, place, nest)
+        return _one_of(arguments, value, place, nest, names)
     if origin is tuple:
-        return _tuple(arguments, value, place, nest)
+        return _tuple(arguments, value, place, nest, names)
     if annotation is float:
         return read_number(value, place)
     if annotation is bool and not isinstance(value, bool):  # pydantic takes "yes" and 1 too
@@ -97,16 +101,16 @@ def _text(annotation: Any, value: Any, variables: Variables, place: Place) -> An
     return _computed(value, place, lambda text: parse(text, variables.names))
 
 
-def _one_of(annotations: tuple[Any, ...], value: Any, place: Place, nest: Nest | None) -> Any:
+def _one_of(annotations: tuple[Any, ...], value: Any, place: Place, nest: Nest | None, names: Names) -> Any:
     if isinstance(value, str) and str in annotations:
         return value
     wanted = (tuple,) if isinstance(value, list) else (float, int)
     fitting = [item for item in annotations if item in wanted or get_origin(item) in wanted]
     annotated = [item for item in annotations if get_origin(item) is Annotated]
-    return converted((fitting + annotated)[0], value, place, nest) if fitting or annotated else value
+    return converted((fitting + annotated)[0], value, place, nest, names) if fitting or annotated else value
 
 
-def _tuple(annotations: tuple[Any, ...], value: Any, place: Place, nest: Nest | None) -> Any:
+def _tuple(annotations: tuple[Any, ...], value: Any, place: Place, nest: Nest | None, names: Names) -> Any:
     if not isinstance(value, list):
         raise place.error("must be an array", shown(value))
     if len(annotations) == 2 and annotations[1] is Ellipsis:
@@ -114,4 +118,4 @@ def _tuple(annotations: tuple[Any, ...], value: Any, place: Place, nest: Nest | 
     if len(annotations) != len(value):
         raise place.error(f"must have {len(annotations)} entries", f"{len(value)}: {shown(value)}")
     pairs = zip(annotations, value, strict=True)
-    return tuple(converted(annotation, item, place.entry(i), nest) for i, (annotation, item) in enumerate(pairs))
+    return tuple(converted(annotation, item, place.entry(i), nest, names) for i, (annotation, item) in enumerate(pairs))

@@ -12,16 +12,19 @@ needs hypothesis.
 from gripper.testing.contract import ContractError
 from gripper.testing.fingers import FINGER_PROPERTIES, check_finger
 from gripper.testing.jaws import JAW_PROPERTIES, check_jaw
+from gripper.testing.loads import LOAD_PROPERTIES, check_load
 from gripper.testing.objects import OBJECT_PROPERTIES, check_object
 from gripper.testing.quick import quick_check
 
 __all__ = [
     "FINGER_PROPERTIES",
     "JAW_PROPERTIES",
+    "LOAD_PROPERTIES",
     "OBJECT_PROPERTIES",
     "ContractError",
     "check_finger",
     "check_jaw",
+    "check_load",
     "check_object",
     "quick_check",
 ]

@@ -110,15 +110,28 @@ def survives_a_scene_file(group: str, *given: str) -> Property[Any]:
 
         made = {name: getattr(instance, name) for name in given}
 
+        symbols = tuple(sorted(symbols_of(instance)))
+
         def trip(one: Any) -> Any:
             own = {name: value for name, value in table(group, one).items() if name not in given}
-            return rebuilt(type(one), tomllib.loads(written({"table": own}))["table"], made)
+            return rebuilt(type(one), tomllib.loads(written({"table": own}))["table"], made, symbols)
 
         back = trip(instance)
         require(trip(back) == back, "come back from a scene file as it was written", back)
         for field in dataclasses.fields(instance):
             was, value = getattr(instance, field.name), getattr(back, field.name)
-            kept = value == was or isinstance(was, sympy.Expr)  # an expression comes back in other words
+            kept = value == was or bool(_expressions(was))  # an expression comes back in other words
             require(kept, f"come back from a scene file with its {field.name} {was!r}", value)
 
     return has_the_same_values_after_a_scene_file
+
+
+def _expressions(value: Any) -> list[sympy.Expr]:
+    """The expressions in a field, its entries' too."""
+    return [item for item in (value if isinstance(value, tuple) else (value,)) if isinstance(item, sympy.Expr)]
+
+
+def symbols_of(instance: Any) -> set[str]:
+    """Names of all symbols in an instance's expressions."""
+    found = [each for field in dataclasses.fields(instance) for each in _expressions(getattr(instance, field.name))]
+    return {symbol.name for each in found for symbol in each.free_symbols}
