@@ -57,6 +57,8 @@ class Load(ABC):
 
     def __post_init__(self) -> None:
         check_fields(self)
+        if self.frame not in ("finger", "world"):
+            raise ValueError(f"frame must be 'finger' or 'world'; got {self.frame!r}")
 
     @property
     def frame(self) -> Literal["finger", "world"]:
