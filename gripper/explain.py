@@ -110,7 +110,10 @@ def _terms(scene: Scene, result: Result, pose: PoseResult) -> list[Decision]:
     """The strains, each with what it changes; friction."""
     chosen = RUNGS.index(result.model.theory)
     asked = f"{100 * scene.theory_tolerance:.2g} % is asked" if scene.theory == "auto" else f"theory = {scene.theory!r}"
-    out = [Decision(_ADDS[RUNGS[0]], True, "the finger bends; whitened, V = |z|^2 / 2")]
+    law, whitened = placed(scene.finger).body.material.law, "the finger bends; whitened, V = |z|^2 / 2"
+    out = [Decision(_ADDS[RUNGS[0]], True, f"{whitened}{'' if law == 'linear' else ' where strains are small'}")]
+    answer = "linear: sections answer by EI, GA and EA alone" if law == "linear" else f"{law}: {_strained(result)}"
+    out.append(Decision("material law", law != "linear", answer))
     for below, theory in pairwise(RUNGS):
         change = _change(scene, below, pose.parameter)
         known = "what it changes is not known" if change is None else f"it changes forces by {100 * change:.2g} %"
@@ -122,6 +125,12 @@ def _terms(scene: Scene, result: Result, pose: PoseResult) -> list[Decision]:
     model = scene.friction.model if scene.friction else ""
     out.append(Decision("friction", rough, f"Coulomb's, as asked ({model})" if rough else mu))
     return out
+
+
+def _strained(result: Result) -> str:
+    """What a law of its own is needed for."""
+    largest = max((pose.max_strain or 0.0 for pose in result.poses), default=0.0)
+    return f"fibres' energies are integrated over the thickness, strains reach {largest:.2g}"
 
 
 def _change(scene: Scene, theory: BeamTheory, parameter: float | None) -> float | None:

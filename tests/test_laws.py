@@ -7,6 +7,7 @@ import math
 import re
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,9 +20,13 @@ from scipy.optimize import brentq, minimize
 import gripper as gr
 from gripper.assemble import setting
 from gripper.energy import energy, energy_gradient, energy_hessian
+from gripper.explain import explain
 from gripper.laws import section_law
+from gripper.scenefile import SceneFileError, dumps, loads, read
 from gripper.study.published import solve_as_published
 from gripper.study.shooting import NoReferenceError, shooting
+from gripper.verify import verify
+from gripper.verify.material import Law as ElementLaw
 from gripper_plugins.fingers import Uniform
 from gripper_plugins.objects import Circle
 from tests.scenes import REFERENCE, RUBBER, rotating_finger
@@ -327,3 +332,93 @@ def test_what_does_not_know_a_law_refuses_it() -> None:
     with pytest.raises(NoReferenceError, match="shooting knows the linear law alone"):
         shooting(kept.setting, kept.equilibrium)
     assert any("Mullins" in note for note in result.model.not_modelled)
+
+
+# ---- The elements' counterparts.
+
+
+@pytest.mark.parametrize("plane", ["stress", "strain"])
+@given(values=st.tuples(*[st.floats(-0.2, 0.2)] * 4))
+def test_the_elements_neo_hookean_law_is_that_of_the_principal_stretches(plane: str, values: tuple) -> None:
+    material = replace(RUBBER, plane=plane)
+    law, F = ElementLaw.of(material, "neo_hookean"), np.eye(2) + np.reshape(values, (2, 2))
+    a, b = np.linalg.svd(F, compute_uv=False)
+    energy, stress, stiffness = law.respond(F.reshape(1, 4))
+    known = plane_energy("neo_hookean", plane, 0.4, np.array([a]), np.array([b]))
+    assert energy[0] == pytest.approx(material.bending_modulus * known[0], rel=1e-9, abs=1e-3)
+    h = 1e-6
+    moved = [law.respond((F.reshape(4) + sign * h * np.eye(4)).reshape(4, 4)) for sign in (1, -1)]
+    assert stress[0] == pytest.approx((moved[0][0] - moved[1][0]) / (2 * h), abs=20)
+    assert stiffness[0] == pytest.approx((moved[0][1] - moved[1][1]) / (2 * h), abs=20)
+
+
+def test_the_elements_neo_hookean_law_reproduces_its_reference() -> None:
+    report = verify(
+        of("neo_hookean", rotating_finger(0.08, 0.0, theory="stretch")), (0.0,), elements=(60, 4), laws=False
+    )
+    (pose,) = report.poses
+    assert report.model.law == "neo_hookean"
+    known = np.array(FEM[ELEMENTS["neo_hookean"]][2]["force_on_object"])
+    assert np.linalg.norm(pose.elements.force - known) < 0.004 * np.linalg.norm(known)
+    assert pose.force_difference < 0.006
+
+
+def test_elements_refuse_a_table() -> None:
+    with pytest.raises(
+        ValueError, match=r"law must be one of linear, st_venant_kirchhoff, .* to be verified; got 'secant'"
+    ):
+        verify(of("secant", rotating_finger(0.08, 0.0)), (0.0,))
+
+
+# ---- Scene files.
+
+MEASURED = """
+[material]
+youngs_modulus = "2.6 GPa"
+poisson_ratio = 0.35
+law = "secant"
+table = [[0.005, "12.6 MPa"], [0.01, "23.5 MPa"], [0.02, "41 MPa"], [0.04, "59 MPa"]]
+[finger]
+profile = "uniform"
+length = "57 mm"
+thickness = "3.2 mm"
+width = "9.5 mm"
+[object]
+surface = "circle"
+radius = "9 mm"
+[object.pose]
+x = "50 mm"
+y = "-8 mm"
+"""
+
+
+def test_a_scene_file_names_a_law_and_its_result_is_one_too(tmp_path: Path) -> None:
+    file = tmp_path / "scene.toml"
+    file.write_text(MEASURED)
+    result = gr.solve(read(file))
+    (pose,) = result.poses
+    assert pose.status == "contact"
+    again = tmp_path / "result.json"
+    again.write_text(json.dumps(result.to_dict()))
+    assert read(again).finger.body.material.table == read(file).finger.body.material.table
+    assert gr.solve(read(again)).poses[0].force_on_object == pose.force_on_object
+    assert loads(dumps(read(file))).finger.body.material == read(file).finger.body.material
+    named = [d.why for d in explain(read(file)).decisions if d.what == "material law" and d.needed]
+    assert len(named) == 1 and named[0].startswith("secant")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "rule"),
+    [
+        ('"secant"', '"elastic"', "material.law.*must be 'linear', 'secant'"),
+        ('law = "secant"', "", "material.table.*must be given with law 'secant'"),
+        ('[0.01, "23.5 MPa"]', '[0.01, "3.5 MPa"]', "material.table.*must rise from the origin"),
+        ('[0.01, "23.5 MPa"]', '[0.01, "23.5 MPa", 1]', r"material.table\[1\].*must have 2 entries"),
+        ("2.6 GPa", "9 GPa", "material.youngs_modulus.*must be at most 3 times"),
+    ],
+)
+def test_a_bad_law_in_a_scene_file_is_named(tmp_path: Path, old: str, new: str, rule: str) -> None:
+    file = tmp_path / "scene.toml"
+    file.write_text(MEASURED.replace(old, new))
+    with pytest.raises(SceneFileError, match=rule):
+        read(file)

@@ -38,9 +38,12 @@ def verify(
         ),
     ] = None,
     law: Annotated[
-        Literal["svk", "biot", "hencky"],
-        typer.Option(help="St. Venant-Kirchhoff, linear in the stretch (the beam's counterpart), or logarithmic."),
-    ] = "svk",
+        Literal["svk", "biot", "hencky", "neo_hookean"] | None,
+        typer.Option(
+            help="St. Venant-Kirchhoff, linear in the stretch (the beam's counterpart), logarithmic, or neo-Hookean; "
+            "the material's own, if not given, svk where that is linear."
+        ),
+    ] = None,
     elements: Annotated[
         str, typer.Option(metavar="ALONGxACROSS", help="Along the finger and across; the second mesh has half as many.")
     ] = "108x4",

@@ -9,7 +9,7 @@ from typing import get_args
 
 import numpy as np
 
-from gripper.fingers import Finger
+from gripper.fingers import Finger, Material
 from gripper.pose import placed
 from gripper.result import PoseResult, Result
 from gripper.scene import Motion, Scene
@@ -23,9 +23,16 @@ _KNOWN = {
     *("finger", "object", "motion", "approach", "friction", "theory", "title"),
     *("tolerance", "theory_tolerance", "limits", "tolerances"),
     *("length", "width", "material", "jaw"),
-    *("youngs_modulus", "poisson_ratio", "shear_modulus", "plane", "yield_strain", "repeated_strain"),
+    *("youngs_modulus", "poisson_ratio", "shear_modulus", "plane", "yield_strain", "repeated_strain", "law"),
 }
 """What a scene, its finger and its material say that the elements take in, or that changes no pose."""
+_LAWS: dict[str, LawName] = {
+    "linear": "svk",
+    "st_venant_kirchhoff": "svk",
+    "logarithmic": "hencky",
+    "neo_hookean": "neo_hookean",
+}
+"""A material's law and the elements'."""
 Progress = Callable[[int, int], None]
 Vector = tuple[float, float]
 
@@ -35,7 +42,7 @@ def verify(
     poses: Sequence[float] | None = None,
     *,
     elements: tuple[int, int] = (108, 4),
-    law: LawName = "svk",
+    law: LawName | None = None,
     jaw: JawKind = "rigid",
     laws: bool = True,
     result: Result | None = None,
@@ -60,11 +67,12 @@ def verify(
         Along the finger and across; the mesh error comes from a second mesh of half as many. Few across are enough:
         what counts is that they are short where the finger touches.
     law
-        "svk" (St. Venant-Kirchhoff), "biot" (linear in the stretch, the beam's counterpart) or "hencky" (logarithmic).
+        "svk" (St. Venant-Kirchhoff), "biot" (linear in the stretch, the beam's counterpart), "hencky" (logarithmic) or
+        "neo_hookean"; the material's own by default, "svk" where that is linear.
     jaw
         "rigid" (moves with the end face), or "elastic": of the finger's material, with the finger going on above it.
     laws
-        Whether to say what the other laws alone would change (two more runs).
+        Whether to say what "svk", "biot" and "hencky" alone would change (two or three more runs).
     result
         Gripper's own result of this scene with its poses; solved here where it is not given.
     progress
@@ -82,6 +90,7 @@ def verify(
     LookupError
         An unknown law or kind of jaw.
     """
+    law = law or _own(placed(scene.finger).body.material)
     _check(elements, law, jaw)
     _check_known(scene)
     way, wanted = passing(scene.motion, poses)
@@ -103,10 +112,23 @@ def verify(
     )
 
 
+def _own(material: Material) -> LawName:
+    """The elements' law for a material.
+
+    Raises
+    ------
+    ValueError
+        A law that elements do not have.
+    """
+    if material.law not in _LAWS:
+        raise ValueError(f"law must be one of {', '.join(_LAWS)}, to be verified; got {material.law!r}")
+    return _LAWS[material.law]
+
+
 def _check(elements: tuple[int, int], law: str, jaw: str) -> None:
     if len(elements) != 2 or min(elements) < 2 or any(int(n) != n for n in elements):
         raise ValueError(f"elements must be two whole numbers, at least 2; got {elements!r}")
-    for what, name, known in (("law", law, LAWS), ("jaw", jaw, get_args(JawKind))):
+    for what, name, known in (("law", law, get_args(LawName)), ("jaw", jaw, get_args(JawKind))):
         if name not in known:
             raise LookupError(f"unknown {what} {name!r}; known: {', '.join(known)}")
 
@@ -126,7 +148,8 @@ def _models(model: Model, laws: bool) -> dict[str, Model]:
     """The runs, by name: both meshes, and the other laws."""
     n_along, n_across = model.elements
     coarse = replace(model, elements=(n_along // 2, n_across // 2))
-    others: dict[str, Model] = {name: replace(model, law=name) for name in LAWS if laws and name != model.law}
+    names: list[LawName] = [name for name in get_args(LawName) if laws and name in LAWS and name != model.law]
+    others: dict[str, Model] = {name: replace(model, law=name) for name in names}
     return {"fine": model, "coarse": coarse, **others}
 
 

@@ -7,21 +7,22 @@ of the law's own measure,
     W = M / 4 ((1 + nu) (e1 + e2)^2 + (1 - nu) (e1 - e2)^2),
 
 M = E / (1 - nu^2) in plane stress; plane strain is the same with E / (1 - nu^2) and nu / (1 - nu). A law is the sum and
-the squared difference of its strains. The three agree at small strain; none needs eigenvectors.
+the squared difference of its strains; the neo-Hookean one is a function of a + b and J. The four agree at small strain;
+none needs eigenvectors.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import Literal, TypeAlias, get_args
 
 import numpy as np
 
 from gripper.fingers import Material
 from gripper.objects import Array
 
-LawName = Literal["svk", "biot", "hencky"]
+LawName = Literal["svk", "biot", "hencky", "neo_hookean"]
 Jet: TypeAlias = tuple[Array, Array, Array, Array, Array, Array]
 """A function of a and b: value, first derivatives (a, b), second derivatives (aa, ab, bb)."""
 
@@ -74,8 +75,8 @@ def _squared_artanh(x: Array) -> tuple[Array, Array, Array]:
     return x * t**2, t / (1 - x), (slope * (1 - x) + t) / (1 - x) ** 2
 
 
-LAWS: dict[LawName, Callable[[Array, Array], tuple[Jet, Jet]]] = {"svk": _svk, "biot": _biot, "hencky": _hencky}
-"""Sum and squared difference of the principal strains, by name."""
+LAWS: dict[str, Callable[[Array, Array], tuple[Jet, Jet]]] = {"svk": _svk, "biot": _biot, "hencky": _hencky}
+"""Sum and squared difference of the principal strains, by name, of laws that have a strain of their own."""
 
 
 @dataclass(frozen=True)
@@ -85,7 +86,7 @@ class Law:
     Parameters
     ----------
     name
-        "svk" (St. Venant-Kirchhoff), "biot" (linear in the stretch) or "hencky" (logarithmic).
+        "svk" (St. Venant-Kirchhoff), "biot" (linear in the stretch), "hencky" (logarithmic) or "neo_hookean".
     modulus
         M, in Pa.
     ratio
@@ -107,13 +108,16 @@ class Law:
         ValueError
             An incompressible material in plane strain.
         """
-        if name not in LAWS:
-            raise LookupError(f"unknown law {name!r}; known: {', '.join(LAWS)}")
+        if name not in get_args(LawName):
+            raise LookupError(f"unknown law {name!r}; known: {', '.join(get_args(LawName))}")
         E, nu = material.youngs_modulus, material.poisson_ratio
+        shear, given = E / (2 * (1 + nu)), nu
         if material.plane == "strain":
             if nu > 0.499:
                 raise ValueError(f"poisson_ratio must be at most 0.499 in plane strain (elements lock); got {nu!r}")
             E, nu = E / (1 - nu**2), nu / (1 - nu)
+        if name == "neo_hookean":
+            return NeoHookean(name, E / (1 - nu**2), nu, shear, given, material.plane == "stress")
         return cls(name, E / (1 - nu**2), nu)
 
     def respond(self, gradients: Array) -> tuple[Array, Array, Array]:
@@ -136,8 +140,7 @@ class Law:
         a, b = squared_lengths(gradients)
         if not np.all(a > b):
             raise InvertedError("an element is inverted")
-        total, difference = LAWS[self.name](a, b)
-        w, wa, wb, waa, wab, wbb = self._energy(total, difference)
+        w, wa, wb, waa, wab, wbb = self.energy(a, b)
         fa, fb = gradients @ _A, gradients @ _B
         stress = 2 * (wa[:, None] * fa + wb[:, None] * fb)
         left, right = np.stack([fa, fb], axis=2), np.stack([fa, fb], axis=1)
@@ -145,8 +148,9 @@ class Law:
         stiffness = left @ (second @ right) + 2 * (wa[:, None, None] * _A + wb[:, None, None] * _B)
         return w, stress, stiffness
 
-    def _energy(self, total: Jet, difference: Jet) -> Jet:
+    def energy(self, a: Array, b: Array) -> Jet:
         """W as a function of a and b."""
+        total, difference = LAWS[self.name](a, b)
         s, sa, sb, saa, sab, sbb = total
         add, cut = self.modulus / 4 * (1 + self.ratio), self.modulus / 4 * (1 - self.ratio)
         d, da, db, daa, dab, dbb = (cut * v for v in difference)
@@ -158,3 +162,49 @@ class Law:
             2 * add * (sa * sb + s * sab) + dab,
             2 * add * (sb**2 + s * sbb) + dbb,
         )
+
+
+@dataclass(frozen=True)
+class NeoHookean(Law):
+    """W = mu / 2 (I1 - 3 - 2 ln J) + lambda / 2 (ln J)^2 in three dimensions.
+
+    Parameters
+    ----------
+    shear_modulus
+        mu, in Pa.
+    poisson_ratio
+        nu, of three dimensions.
+    thins
+        Whether the third direction is free of stress (plane stress); else it is held.
+    """
+
+    shear_modulus: float
+    poisson_ratio: float
+    thins: bool
+
+    def energy(self, a: Array, b: Array) -> Jet:
+        """W as a function of a and b: mu / 4 (a + b) + h(J)."""
+        J, mu, quarter = (a - b) / 4, self.shear_modulus, np.full_like(a, self.shear_modulus / 4)
+        h, h1, h2 = self._thinning(J) if self.thins else self._held(J)
+        first, second = mu * h1 / 4, mu * h2 / 16
+        return mu * ((a + b) / 4 + h), quarter + first, quarter - first, second, -second, second
+
+    def _thinning(self, J: Array) -> tuple[Array, Array, Array]:
+        """h over mu and its slopes; u, the square of the third stretch, leaves no stress along it."""
+        nu, log = self.poisson_ratio, np.zeros_like(J)  # ln u
+        for _ in range(_NEWTON):
+            u = np.exp(log)
+            left = (1 - 2 * nu) * (u - 1) + 2 * nu * (np.log(J) + log / 2)
+            log = log - left / ((1 - 2 * nu) * u + nu)
+        u, volume = np.exp(log), np.log(J) + log / 2
+        slope = -2 * nu / J / (1 - 2 * nu + nu / u)
+        return (u - 3) / 2 - volume - (u - 1) * volume / 2, -u / J, u / J**2 - slope / J
+
+    def _held(self, J: Array) -> tuple[Array, Array, Array]:
+        """h over mu and its slopes where the third stretch is 1."""
+        lame, volume = 2 * self.poisson_ratio / (1 - 2 * self.poisson_ratio), np.log(J)
+        slope = (lame * volume - 1) / J
+        return lame * volume**2 / 2 - volume - 1, slope, (lame - lame * volume + 1) / J**2
+
+
+_NEWTON = 8
