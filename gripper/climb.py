@@ -92,6 +92,7 @@ class Climber:
     path: Path
     order: int
     _further: dict[int, tuple[Along, Equilibrium, float]] = field(default_factory=dict)
+    _changes: dict[tuple[int, float, float], tuple[Along, Along | None]] = field(default_factory=dict)
 
     def highest(self, name: str, measure: Measure, flank: Flank) -> Summit:
         """The highest point of a flank."""
@@ -99,9 +100,9 @@ class Climber:
         found = [Summit(flank.top.values[name], top)]
         pairs = [(top, foot)] if not flank.changed else []
         if flank.changed:
-            near = at_change(self.setting, self.path, top, flank.changed[0], self.order)
-            far = at_change(self.setting, self.path, foot, flank.changed[-1], self.order)
+            near, far = self._changed(top, flank.changed[0]), self._changed(foot, flank.changed[-1])
             pairs = ([(top, near)] if near else []) + ([(far, foot)] if far else [])
+            found.append(Summit(flank.foot.values[name], foot))
             found += [Summit(measure.value(at.equilibrium, flank.top.heading), at) for at in (near, far) if at]
         for low, high in pairs:
             try:
@@ -109,6 +110,13 @@ class Climber:
             except NoEquilibriumError:
                 continue  # at a limit point: the sample beside it stands
         return max(found, key=lambda summit: summit.value)
+
+    def _changed(self, known: Along, parameter: float) -> Along | None:
+        """The equilibrium where contacts change, reckoned once for all measures."""
+        key = id(known.equilibrium), known.parameter, parameter
+        if key not in self._changes:
+            self._changes[key] = known, at_change(self.setting, self.path, known, parameter, self.order)
+        return self._changes[key][1]
 
     def _climb(self, measure: Measure, low: Along, high: Along, heading: float) -> Summit:
         """From an equilibrium towards another of its branch, if it rises there.

@@ -1,7 +1,8 @@
 """What is largest along a motion: kept step by step, located at the end on the equilibria between.
 
 Every step is sampled at its ends. Of each measure the highest local maxima of these samples are kept, with the steps
-on both sides; at the end these are climbed (:mod:`gripper.climb`).
+on both sides; at the end these are climbed (:mod:`gripper.climb`). So is every step on which contacts change: what is
+sharp there shows at no step's end.
 """
 
 from __future__ import annotations
@@ -64,6 +65,7 @@ class Watch:
     touched: float | None = None
     """Where the first contact was met."""
     _stood: Along | None = None
+    _broken: list[_Step] = field(default_factory=list)
     _hills: dict[str, list[tuple[float, tuple[Flank, ...]]]] = field(default_factory=dict)
     _last: _Step | None = None
     _climber: Climber | None = None
@@ -108,8 +110,11 @@ class Watch:
         if self._climber is None or self._climber.order != order:
             self._climber = Climber(self.setting, self.path, order)
         hills = self._hills.get(name, [])
+        measure = self.measures[name]
         climbed = [flank for height, flanks in hills if height >= _NEARLY * hills[0][0] for flank in flanks]
-        summits = [self._climber.highest(name, self.measures[name], flank) for flank in climbed]
+        climbed = [flank for flank in climbed if not flank.changed]
+        climbed += [step.up for step in self._broken if measure.leg in (None, step.leg)]
+        summits = [self._climber.highest(name, measure, flank) for flank in climbed]
         return max(summits, key=lambda summit: summit.value, default=None)
 
     # work
@@ -186,6 +191,8 @@ class Watch:
         if self._last and (self._last.last.at.parameter != step.first.at.parameter or self._last.leg != self.leg):
             self._end()
         before = self._last
+        if step.changed:
+            self._broken.append(step)
         for name in self._active():
             falls = step.last.values[name] < step.first.values[name]
             if falls and before is None:

@@ -19,13 +19,16 @@ from gripper.fingers import S
 from gripper.kinematics import Kinematics
 from gripper.parameters import numbers, replaced
 from gripper.sensitivity import PoseSensitivity
+from gripper.sensitivity.object_rates import object_rates
 from gripper.sensitivity.opened import NotOpenError
 from gripper.verified import Verified
 from gripper_plugins.fingers.tapered import Tapered
 from gripper_plugins.objects.circle import Circle
 from gripper_plugins.objects.ellipse import Ellipse
 from gripper_plugins.objects.polygon import Polygon
-from tests.scenes import PLASTIC, RUBBER, Q, follow, micro_assembly, rotating_finger, unit_finger
+from gripper_plugins.objects.spline import Spline
+from gripper_plugins.objects.union import Union
+from tests.scenes import PLASTIC, RUBBER, TAPERED, Q, follow, micro_assembly, rotating_finger, unit_finger
 
 ROUGH, SLIPPERY = gr.Friction(coefficient=0.3), gr.Friction(coefficient=0.2)
 NAMES = [f.name for f in dataclasses.fields(PoseSensitivity) if f.name not in ("parameter", "kind", "reason")]
@@ -35,6 +38,16 @@ def bent(curvature, **options):
     """A finger that is bent at rest, and a circle that comes from below."""
     motion, body = gr.Motion("q", (-0.6, -0.1)), Circle(radius=0.15).at(x=0.6, y=Q)
     return gr.Scene(finger=unit_finger(rest_curvature=curvature), object=body, motion=motion, **options)
+
+
+BLUNT = tuple((0.0089 * math.cos(a), 0.0089 * math.sin(a)) for a in np.arange(0.1, 6.0, math.pi / 4))
+UNEVEN = ((0.02, 0.0), (0.011, 0.015), (-0.012, 0.013), (-0.02, -0.001), (-0.004, -0.009), (0.01, -0.014))
+
+
+def pushed(body, angle, theory, **options):
+    """Example II's finger, and an object that comes from below."""
+    motion = gr.Motion("q", (-0.06, -0.025))
+    return gr.Scene(finger=TAPERED, object=body.at(x=0.12, y=Q, angle=angle), motion=motion, theory=theory, **options)
 
 
 MOTIONS = {
@@ -49,6 +62,12 @@ MOTIONS = {
     "I, hook's corner, stretch, slipping": micro_assembly(0.086, 0.055, theory="stretch", friction=ROUGH),
     "II, stretch": rotating_finger(-0.1016, 0.0, theory="stretch"),
     "II, stretch, slipping": rotating_finger(-0.1016, 0.0, theory="stretch", friction=SLIPPERY),
+    "a polygon's corner, slipping": pushed(Polygon(vertices=UNEVEN), 0.3, "shear", friction=SLIPPERY),
+    "a polygon clockwise": pushed(Polygon(vertices=UNEVEN[::-1]), 0.3, "bending"),
+    "a spline, slipping": pushed(Spline(points=UNEVEN), 0.3, "shear", friction=SLIPPERY),
+    "a jaw's corner on a polygon's edge": dataclasses.replace(
+        micro_assembly(0.086, 0.055, friction=ROUGH), object=Polygon(vertices=BLUNT).at(x=Q, y=-0.0105)
+    ),
     "bent at rest, slipping": bent(-1.0 + 3.0 * S, theory="bending", friction=SLIPPERY),
     "bent at rest beyond a kink, stretch": bent(sympy.Max(0, S - 0.4) * 3, theory="stretch"),
     "bent at rest by a step, touching nothing": bent(sympy.Piecewise((0.8, S < 0.35), (-0.5, True)), theory="shear"),
@@ -239,17 +258,44 @@ def test_a_free_finger_moves_with_its_clamp_alone():
     np.testing.assert_allclose(longer.tip, [math.cos(0.001), math.sin(0.001)], rtol=1e-12)
 
 
-def test_an_object_without_a_formula_is_differentiated_by_its_pose_alone():
+@pytest.mark.parametrize("sense", [1, -1])
+@pytest.mark.parametrize(("kind", "name"), [(Polygon, "vertices"), (Spline, "points")])
+def test_moved_turned_and_swollen_points_move_turn_and_swell_their_outline(kind, name, sense):
+    body = kind(**{name: UNEVEN[::sense]})
+    points = np.random.default_rng(3).uniform(-0.03, 0.03, (40, 2))
+    g, gradient, hessian = body.evaluate(points, 2)
+    known = {f"{name}[{i}][{d}]": UNEVEN[::sense][i][d] for i in range(len(UNEVEN)) for d in (0, 1)}
+    rates = object_rates(body, known)
+    moved, corners = rates.at(points), rates.corners()
+    along = np.array(list(known.values())).reshape(-1, 2)
+    fields = {
+        "moved": (np.array([[1.0, 0.0]] * len(UNEVEN)), np.array([1.0, 0.0]) + 0 * points, 0.0),
+        "turned": (along @ [[0.0, 1.0], [-1.0, 0.0]], points @ [[0.0, 1.0], [-1.0, 0.0]], gradient @ [[0, 1], [-1, 0]]),
+        "swollen": (along, points, 0.0),
+    }
+    for how, (velocities, carried, turned) in fields.items():
+        weights = velocities.ravel()
+        swelling = g if how == "swollen" else 0.0
+        expected = -(gradient * carried).sum(axis=1) + swelling
+        np.testing.assert_allclose(weights @ moved[0], expected, atol=1e-12, err_msg=how)
+        slope = turned - (hessian @ carried[:, :, None])[:, :, 0]
+        np.testing.assert_allclose(weights @ moved[1], slope @ [1, 1j], atol=1e-9, err_msg=how)
+        if kind is Polygon:
+            at = [int(np.argmin(np.abs(along @ [1, 1j] - corner))) for corner in body.corners @ [1, 1j]]
+            np.testing.assert_allclose(weights @ corners, (velocities @ [1, 1j])[at], atol=1e-12, err_msg=how)
+
+
+def test_an_object_of_objects_is_differentiated_by_its_pose_alone():
     square = Polygon(vertices=((-0.02, -0.02), (0.02, -0.02), (0.02, 0.02), (-0.02, 0.02)))
-    scene = dataclasses.replace(ELLIPTIC, object=square.at(x=0.12, y=-0.03, angle=0.5))
-    result = gr.solve(scene)
+    both = Union(parts=(square, Circle(radius=0.01)))
+    result = gr.solve(dataclasses.replace(ELLIPTIC, object=both.at(x=0.12, y=-0.03, angle=0.5)))
     found = result.sensitivities()
     slopes = [found[f"object.pose.{axis}"].energy for axis in ("x", "y", "angle")]
     expected = [*(-f for f in result.force_on_object), -result.moment_on_object]
     np.testing.assert_allclose(slopes, expected, rtol=1e-4)  # on the square's corner
-    assert not any(key.startswith("object.vertices") for key in found)
-    with pytest.raises(NotOpenError, match="Polygon must be an ImplicitSurface"):
-        result.sensitivity("object.vertices[0][0]")
+    assert not any(key.startswith("object.parts") for key in found)
+    with pytest.raises(NotOpenError, match="Union must be an ImplicitSurface, or a FeatureSurface that writes"):
+        result.sensitivity("object.parts[1].radius")
 
 
 def test_a_pose_without_an_answer_has_no_derivative_and_says_why():

@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 import gripper as gr
+from gallery import optimal_hook
+from gripper.parameters import replaced
 from gripper.result import PoseResult
 from gripper.summary import QUANTITIES
 from gripper_plugins.fingers.tapered import Tapered
@@ -43,6 +45,19 @@ def test_no_number_depends_on_how_many_poses_there_are(both):
         one, other = getattr(few, name), getattr(many, name)
         tight = 2e-4 if name in ("work_in", "work_out", "dissipation") else 1e-5
         assert one == other or one == pytest.approx(other, rel=tight, abs=1e-9), name
+
+
+def test_a_peak_where_contacts_change_within_a_step_is_found_though_both_ends_lie_far_below():
+    """The hook of gallery/optimal_hook.py needs most where its lead face ends, and nearly as much in the last pose."""
+    found = [0.0052101662, 0.0616943861, 0.0698131701, 1.5358897418]
+    scene = replaced(optimal_hook.scene, dict(zip(optimal_hook.FREE, found, strict=True)))
+    coarse = gr.trace(scene)
+    change = next(event for event in coarse.events if event.detail == "jaw to corner of jaw")
+    motion = gr.Motion("x_o", (0.1, 0.08, change.parameter + 1e-8, change.parameter - 1e-8))
+    beside = [-pose.motion_force for pose in gr.trace(dataclasses.replace(scene, motion=motion)).poses[2:]]
+    assert coarse.summary().insertion_force == pytest.approx(max(beside), rel=1e-5)
+    assert coarse.summary().insertion_force_at == pytest.approx(change.parameter, abs=1e-8)
+    assert max(-pose.motion_force for pose in coarse.poses) < 0.98 * max(beside)
 
 
 def test_no_pose_exceeds_a_peak(both):

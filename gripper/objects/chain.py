@@ -40,7 +40,8 @@ class Chain:
     """
 
     def __init__(self, *loops: Array) -> None:
-        loops = loops if len(loops) > 1 or _area(loops[0]) >= 0 else (_reversed(loops[0]),)
+        self.turned = len(loops) == 1 and _area(loops[0]) < 0
+        loops = (_reversed(loops[0]),) if self.turned else loops
         self.coefficients = np.concatenate(loops)
         last = np.cumsum([len(loop) for loop in loops]) - 1
         self.first = np.concatenate([[0], last[:-1] + 1])  # of each loop
@@ -59,6 +60,10 @@ class Chain:
         self.chord_before = np.argsort(following)
         self.chords = Chords(start, start[following] - start, self.sagitta, starts)
         self._find_corners()
+
+    def carried(self, rates: Array) -> Array:
+        """Rates (p, m, degree + 1, 2) of the pieces as they were given, for the pieces as they are passed here."""
+        return np.array([_reversed(rate) for rate in rates]) if self.turned else rates
 
     def at(self, piece: Indices, t: Array) -> Array:
         """Points q(t) (n, 2), in m, of pieces (n,) at t (n,)."""

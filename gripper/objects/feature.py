@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from abc import abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,7 +32,7 @@ class FeatureSurface(Object):
         super().__post_init__()
         names = " and ".join(field.name for field in dataclasses.fields(self))
         check_pieces(names, self.pieces())
-        check_simple(names, _chain(self).polygon)
+        check_simple(names, self.chain.polygon)
 
     @abstractmethod
     def pieces(self) -> Array:
@@ -40,6 +41,18 @@ class FeatureSurface(Object):
         Each piece ends where the next begins, the last one where the first does, in either sense.
         """
 
+    def piece_rates(self) -> Mapping[str, Array]:
+        """Rates of :meth:`pieces` (m, degree + 1, 2) by the object's numbers, by key: ``vertices[0][1]``.
+
+        None by default: the object then has no sensitivities by its own numbers.
+        """
+        return {}
+
+    @property
+    def chain(self) -> Chain:
+        """The pieces, with what they enclose on their left."""
+        return _distance(self).chain
+
     def evaluate(self, points: Array, order: int = 2) -> tuple[Array, ...]:
         """See `Object.evaluate`."""
         return _distance(self).evaluate(points, order)
@@ -47,25 +60,25 @@ class FeatureSurface(Object):
     @property
     def corners(self) -> Array:
         """See `Object.corners`."""
-        chain = _chain(self)
+        chain = self.chain
         return chain.vertex[chain.convex_corner]
 
     @property
     def corner_normals(self) -> Array:
         """See `Object.corner_normals`."""
-        chain = _chain(self)
+        chain = self.chain
         return chain.normals[chain.convex_corner]
 
     @property
     def hollows(self) -> Array:
         """See `Object.hollows`."""
-        chain = _chain(self)
+        chain = self.chain
         return chain.vertex[chain.corner & ~chain.convex_corner]
 
     @property
     def hollow_normals(self) -> Array:
         """See `Object.hollow_normals`."""
-        chain = _chain(self)
+        chain = self.chain
         return chain.normals[chain.corner & ~chain.convex_corner]
 
     def bounds(self, centers: Array, radii: Array) -> tuple[Array, Array]:
@@ -79,26 +92,22 @@ class FeatureSurface(Object):
     @property
     def box(self) -> Box:
         """See `Object.box`."""
-        return _chain(self).box
+        return self.chain.box
 
     @property
     def inner_radius(self) -> float:
         """See `Object.inner_radius`."""
-        return _chain(self).inner_disc[1]
+        return self.chain.inner_disc[1]
 
     @property
     def inner_point(self) -> Array:
         """See `Object.inner_point`."""
-        return _chain(self).inner_disc[0]
+        return self.chain.inner_disc[0]
 
     def outline(self, box: Box | None = None, tolerance: float | None = None) -> list[Array]:
         """See `Object.outline`."""
-        chain = _chain(self)
+        chain = self.chain
         return chain.polylines(chord_tolerance(tolerance, chain.size))
 
 
 _distance: PerInstance[FeatureSurface, Distance] = PerInstance(lambda surface: Distance(Chain(surface.pieces())))
-
-
-def _chain(surface: FeatureSurface) -> Chain:
-    return _distance(surface).chain

@@ -3,44 +3,115 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Protocol
 
 import numpy as np
 
 from gripper.arrays import Array, Complex
-from gripper.objects import ImplicitSurface, Object
+from gripper.objects import FeatureSurface, ImplicitSurface, Object
 from gripper.objects.compiled import X, Y
 from gripper.sensitivity.opened import NotOpenError, Opened, surface
 
 
-class ObjectRates:
-    """Derivatives of g by an object's numbers (p), in its own frame.
+class ObjectRates(Protocol):
+    """Derivatives of g by an object's numbers (p), in its own frame."""
+
+    def at(self, points: Array) -> tuple[Array, Complex]:
+        """Rates of g (p, k), and of its gradient (p, k), at points (k, 2) in m."""
+
+    def corners(self) -> Complex:
+        """Rates of the object's corners, in m, (p, corners)."""
+
+
+def object_rates(body: Object, values: Mapping[str, float]) -> ObjectRates:
+    """The derivatives of an object by its numbers, given by their keys within it.
 
     Raises
     ------
     NotOpenError
-        An object whose formulas sympy cannot differentiate.
+        An object whose formulas sympy cannot differentiate, and that writes no rates of its pieces.
     """
+    if not values:
+        return _NoRates(body)
+    if isinstance(body, ImplicitSurface):
+        return _FormulaRates(body, values)
+    rates = body.piece_rates() if isinstance(body, FeatureSurface) else {}
+    if isinstance(body, FeatureSurface) and set(values) <= set(rates):
+        return _PieceRates(body, np.array([rates[key] for key in values]))
+    rule = "be an ImplicitSurface, or a FeatureSurface that writes piece_rates, to be differentiated by its numbers"
+    raise NotOpenError(f"{type(body).__name__} must {rule}")
 
-    def __init__(self, body: Object, values: Mapping[str, float]) -> None:
-        self.body, self.count = body, len(values)
-        self.values = list(values.values())
-        if not self.count:
-            return
-        if not isinstance(body, ImplicitSurface):
-            raise NotOpenError(f"{type(body).__name__} must be an ImplicitSurface, to be differentiated by its numbers")
+
+class _NoRates:
+    """No numbers."""
+
+    def __init__(self, body: Object) -> None:
+        self.corner_count = len(body.corners)
+
+    def at(self, points: Array) -> tuple[Array, Complex]:
+        return np.zeros((0, len(points))), np.zeros((0, len(points)), dtype=complex)
+
+    def corners(self) -> Complex:
+        return np.zeros((0, self.corner_count), dtype=complex)
+
+
+class _FormulaRates:
+    """By sympy, of an object that is one formula g(x, y)."""
+
+    def __init__(self, body: ImplicitSurface, values: Mapping[str, float]) -> None:
+        self.body, self.values = body, list(values.values())
         opened = Opened(body, values)
         self._rates = surface(opened.read(lambda part: part.g(X, Y)), tuple(opened.symbols.values()))
 
     def at(self, points: Array) -> tuple[Array, Complex]:
-        """Rates of g (p, k), and of its gradient (p, k), at points (k, 2) in m."""
-        k = len(points)
-        if not self.count:
-            return np.zeros((0, k)), np.zeros((0, k), dtype=complex)
-        table = np.empty((self.count, 3, k))
+        table = np.empty((len(self.values), 3, len(points)))
         for row, values in enumerate(self._rates(points[:, 0], points[:, 1], *self.values)[3:]):
             table[divmod(row, 3)] = values  # a constant fills its row
         return table[:, 0], table[:, 1] + 1j * table[:, 2]
 
     def corners(self) -> Complex:
-        """Rates of the object's corners, in m, (p, corners)."""
-        return np.zeros((self.count, len(self.body.corners)), dtype=complex)
+        return np.zeros((len(self.values), len(self.body.corners)), dtype=complex)
+
+
+class _PieceRates:
+    """Of an object whose g is the distance to pieces of curve q(t): it changes by how the nearest point moves.
+
+    With that point's velocity v and the normal n = grad g: g by -n.v, and n by -H v - (n.v') grad t.
+    """
+
+    def __init__(self, body: FeatureSurface, rates: Array) -> None:
+        self.body, self.chain = body, body.chain
+        self.rates = self.chain.carried(rates)  # of the coefficients of q, (p, pieces, degree + 1, 2)
+
+    def at(self, points: Array) -> tuple[Array, Complex]:
+        chain, nearest = self.chain, self.chain.nearest(points)
+        _, normals, hessians = self.body.evaluate(points, 2)
+        piece, cornered = nearest.piece, nearest.corner >= 0
+        velocity, stretch = _along(self.rates[:, piece], nearest.t)
+        velocity[:, cornered] = self.rates[:, nearest.corner[cornered], 0]
+        tangent, bend = _derivatives(chain.coefficients[piece], nearest.t)
+        away = points - chain.at(piece, nearest.t)
+        steep = tangent / ((tangent**2).sum(axis=1) - (away * bend).sum(axis=1))[:, None]  # grad t
+        steep[cornered] = 0.0
+        turned = (hessians @ velocity[..., None])[..., 0] + (normals * stretch).sum(axis=2)[..., None] * steep
+        return -(normals * velocity).sum(axis=2), -(turned[..., 0] + 1j * turned[..., 1])
+
+    def corners(self) -> Complex:
+        moved = self.rates[:, self.chain.convex_corner, 0]
+        found: Complex = moved[..., 0] + 1j * moved[..., 1]
+        return found
+
+
+def _along(coefficients: Array, t: Array) -> tuple[Array, Array]:
+    """Values and slopes by t of polynomials (..., k, degree + 1, 2) at t (k,)."""
+    powers = np.arange(coefficients.shape[-2])
+    table = t[:, None] ** powers
+    slopes = powers * t[:, None] ** np.maximum(powers - 1, 0)
+    return np.einsum("kj,...kjd->...kd", table, coefficients), np.einsum("kj,...kjd->...kd", slopes, coefficients)
+
+
+def _derivatives(coefficients: Array, t: Array) -> tuple[Array, Array]:
+    """Tangents q' and bends q'' (k, 2) of pieces (k, degree + 1, 2) at t (k,)."""
+    powers = np.arange(coefficients.shape[1])
+    first = (powers[:, None] * coefficients)[:, 1:]
+    return _along(first, t)

@@ -16,7 +16,7 @@ from gripper.scene import Scene
 from gripper.sensitivity.limits import refusal, side
 from gripper.sensitivity.memory import UnknownPastError
 from gripper.sensitivity.numbers import Reading, Table
-from gripper.sensitivity.object_rates import ObjectRates
+from gripper.sensitivity.object_rates import object_rates
 from gripper.sensitivity.opened import NotOpenError
 from gripper.sensitivity.seeds import Seeds
 from gripper.sensitivity.summary_rates import Rows, summary_rates
@@ -145,7 +145,7 @@ def _differentiable(scene: Scene, known: Mapping[str, float]) -> list[str]:
     own = {key.split(".", 1)[1]: v for key, v in known.items() if key.startswith("object.")}
     own = {key: value for key, value in own.items() if not key.startswith("pose.")}
     try:
-        ObjectRates(placed(scene.object).body, own)
+        object_rates(placed(scene.object).body, own)
     except NotOpenError:
         return [key for key in known if key.removeprefix("object.") not in own or not key.startswith("object.")]
     return list(known)

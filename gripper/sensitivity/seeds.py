@@ -19,7 +19,7 @@ from gripper.scene import Scene
 from gripper.sensitivity.finger_rates import FingerRates
 from gripper.sensitivity.flow import Change
 from gripper.sensitivity.memory import Memory
-from gripper.sensitivity.object_rates import ObjectRates
+from gripper.sensitivity.object_rates import object_rates
 from gripper.sensitivity.tangent import Rates, rates
 from gripper.sensitivity.touching import Touching
 from gripper.site import Site
@@ -80,7 +80,7 @@ class Seeds:
         finger = {self._inner(key): known[key] for key in keys if self._table(key) == "finger"}
         body = {key.split(".", 1)[1]: known[key] for key in keys if self._table(key) == "object"}
         self.finger = FingerRates(setting.outline, finger)
-        self.object = ObjectRates(setting.body, body)
+        self.object = object_rates(setting.body, body)
         self._finger_rows = np.array([keys.index(self._outer(key)) for key in self.finger.keys], dtype=np.intp)
         self._object_rows = np.array([keys.index(f"object.{key}") for key in body], dtype=np.intp)
         self.log_length = self.spread(self.finger.log_length)

@@ -26,3 +26,12 @@ class Polygon(FeatureSurface):
         """Write the edges: q(t) = vertex + t (next vertex - vertex)."""
         start = closed_points("vertices", self.vertices)
         return np.stack([start, np.roll(start, -1, axis=0) - start], axis=1)
+
+    def piece_rates(self) -> dict[str, Array]:
+        """Write how the edges beside a vertex move with it."""
+        count = len(self.vertices)
+        rates = np.zeros((count, 2, count, 2, 2))
+        for i, d in np.ndindex(count, 2):
+            rates[i, d, i, :, d] = 1.0, -1.0
+            rates[i, d, i - 1, 1, d] = 1.0
+        return {f"vertices[{i}][{d}]": rates[i, d] for i, d in np.ndindex(count, 2)}
