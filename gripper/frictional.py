@@ -29,7 +29,7 @@ from gripper.tracker import Tracker
 from gripper.verified import Verified, untouched, verify
 from gripper.work import booked, dips
 
-_NUDGE = 1e-5  # of L: how far beyond the first touch the first hold is decided
+_NUDGE = 1e-7  # of L: how far beyond the first touch the first hold is decided
 _FINE = 1e-2  # of L: shorter steps are not cut for their balance
 _CHANGING = 0.01  # of L: the longest step in which a patch comes or goes, or that ends free of the object
 _BALANCED = 5e-5  # of the energies of a step

@@ -116,3 +116,32 @@ def test_every_public_name_is_where_the_stub_says_and_no_module_takes_its_place(
         assert name in dir(gripper) and name in gripper.__all__
     with pytest.raises(AttributeError, match="has no attribute 'slove'"):
         _ = gripper.slove  # type: ignore[attr-defined]
+
+
+RUBBING = {
+    f"gripper.{name}" for name in "frictional grip holding holds law ledger locking others peaks rubbing work".split()
+}
+MOTION = """
+import sympy
+import gripper as gr
+from gripper_plugins.fingers import Uniform
+from gripper_plugins.jaws import Triangle
+from gripper_plugins.objects import Circle
+q = sympy.Symbol("q")
+plastic = gr.Material(youngs_modulus=2.6e9, poisson_ratio=0.35)
+jaw = Triangle(length=0.019, lead_angle=0.35, return_angle=1.05)
+finger = Uniform(length=0.057, thickness=0.0032, width=0.0095, material=plastic, jaw=jaw)
+pin, motion = Circle(radius=0.0089).at(x=q, y=-0.0105), gr.Motion("q", (0.086, 0.064, 0.07))
+result = gr.trace(gr.Scene(finger=finger, object=pin, motion=motion, theory="bending", friction={friction}))
+print(result.summary(), [pose.status for pose in result.poses])
+import sys
+print(*sys.modules)
+"""
+
+
+@pytest.mark.parametrize("friction", ["None", "gr.Friction(coefficient=0)", "gr.Friction(coefficient=0.3)"])
+def test_no_module_of_friction_is_read_where_there_is_none(friction: str) -> None:
+    code = MOTION.format(friction=friction)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert "'contact'" in done.stdout
+    assert RUBBING & set(done.stdout.split()) == (RUBBING if "0.3" in friction else set())

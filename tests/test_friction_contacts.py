@@ -1,0 +1,156 @@
+"""Friction at several contacts, at contacts that roll, and at the first touch."""
+
+from __future__ import annotations
+
+import pytest
+import sympy
+
+import gripper as gr
+from gripper_plugins.jaws.polygon import PolygonJaw
+from gripper_plugins.objects.circle import Circle
+from gripper_plugins.objects.union import Union
+from tests.rubbing import balance, check_coulomb, off
+from tests.scenes import Q, unit_finger
+
+EDGE = PolygonJaw(vertices=((0, -0.03), (0, -0.13), (0.2, -0.13), (0.2, -0.03)))
+BUMPS = Union(parts=(Circle(radius=0.02).at(x=-0.06), Circle(radius=0.02).at(x=0.06)))
+
+
+def on_two_bumps(mu, values, drift=0.0, turn=0.045):
+    """Two bumps under the jaw's rigid edge, which rise, drift and turn."""
+    target = BUMPS.at(x=1.1 + drift * Q, y=-0.155 + 0.05 * Q, angle=turn * Q)
+    friction = gr.Friction(coefficient=mu) if mu else None
+    motion = gr.Motion("q", values)
+    return gr.trace(
+        gr.Scene(finger=unit_finger(jaw=EDGE), object=target, motion=motion, theory="bending", friction=friction)
+    )
+
+
+def kinds(result):
+    return [event.kind for event in result.events]
+
+
+# several contacts
+
+
+def test_two_contacts_on_one_edge_come_and_go_one_by_one():
+    """A step from bump to bump takes both: the edge leaves the first only once it lies on the second."""
+    there = on_two_bumps(0.6708, (-0.2, 0.3, 0.8, 0.3, 0.1), drift=-0.0182)
+    assert kinds(there)[:5] == ["touch", "touch", "release", "stick", "slip"]
+    assert kinds(there)[5:] == ["touch", "release"]
+    for pose in there.poses:
+        check_coulomb(pose, lambda _: 0.6708)
+    assert balance(there.poses).max() < 1e-4
+
+
+def test_without_friction_two_contacts_on_one_edge_come_and_go_where_they_came():
+    there = on_two_bumps(0, (-0.1, 0.3, 0.4, 0.3, 0.1))
+    assert kinds(there) == ["touch", "touch", "release", "touch", "release"]
+    places = [event.parameter for event in there.events[1:]]
+    assert places[:2] == pytest.approx(places[:1:-1], abs=1e-8)
+
+
+def test_of_two_that_stick_on_one_edge_one_lets_go_and_the_other_sticks_on():
+    """With both stuck the finger cannot stretch: the ratio runs off within 1e-6 of the way, but not as far as -mu."""
+    turned = on_two_bumps(0.5, (-0.1, 0.3, 0.32, 0.3199, 0.3197, 0.3199))
+    assert kinds(turned) == ["touch", "touch", "stick", "release"]
+    assert 0 < 0.32 - turned.events[3].parameter < 1e-6
+    both, *one = turned.poses[2:]
+    assert [contact.state for contact in both.contacts] == ["slip"] * 2
+    assert [[contact.state for contact in pose.contacts] for pose in one] == [["stick"]] * 3
+    assert off(one[2], one[0].force_on_object_finger_frame) < 1e-9
+    assert balance(turned.poses).max() < 1e-3
+    for pose in turned.poses:
+        check_coulomb(pose, lambda _: 0.5)
+
+
+def test_contacts_on_the_finger_and_on_the_jaw_have_a_coefficient_each():
+    """The jaw hangs over one pin while another presses the finger from below."""
+    pins = Union(parts=(Circle(radius=0.05).at(y=-0.03), Circle(radius=0.02).at(x=0.6)))
+    target = pins.at(x=0.5 + 0.02 * Q, y=-0.15 + 0.05 * Q)
+    friction = gr.Friction(coefficient={"finger": 0.2, "jaw": 0.4})
+    motion = gr.Motion("q", (-0.2, 2.0, 2.7, 2.8, 2.9, 3.0, 3.1, 3.3, 2.9))
+    scene = gr.Scene(finger=unit_finger(jaw=EDGE), object=target, motion=motion, theory="bending", friction=friction)
+    poses = gr.trace(scene).poses
+    assert ["jaw", "lower"] in [sorted(contact.on for contact in pose.contacts) for pose in poses]
+    for pose in poses:
+        check_coulomb(pose, lambda contact: 0.4 if contact.on == "jaw" else 0.2)
+    assert balance(poses).max() < 1e-3
+
+
+def test_the_published_friction_refuses_two_contacts():
+    target = BUMPS.at(x=1.1, y=-0.155 + 0.05 * 0.3, angle=0.0135)
+    friction = gr.Friction(coefficient=0.3, model="published", sense="baseward")
+    pose = gr.solve(gr.Scene(finger=unit_finger(jaw=EDGE), object=target, theory="bending", friction=friction)).poses[0]
+    assert pose.status == "failed"
+    assert "takes one contact; here are 2" in pose.reason
+
+
+# contacts that roll
+
+
+def test_a_wheel_that_rolls_along_the_finger_loses_next_to_nothing():
+    """Its rim passes as fast as it moves on: what is left is the slip of a face that bends."""
+
+    def along(turning):
+        target = Circle(radius=0.1).at(x=0.4 + 0.3 * Q, y=-0.051 + 0.02 * Q, angle=turning * 3 * Q)
+        friction = gr.Friction(coefficient=0.5)
+        motion = gr.Motion("q", (0.0, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0))
+        finger = unit_finger(0.002)
+        return gr.trace(
+            gr.Scene(finger=finger, object=target, motion=motion, theory="bending", friction=friction)
+        ).poses
+
+    rolling, dragged = along(1), along(0)
+    for poses in (rolling, dragged):
+        assert poses[-1].contacts[0].s - poses[0].contacts[0].s > 0.29
+        assert balance(poses).max() < 1e-3
+    assert 0 <= rolling[-1].dissipation < 0.01 * dragged[-1].dissipation
+
+
+# the first touch
+
+
+@pytest.mark.parametrize("mu", [0.3, 0.05])
+def test_a_first_touch_sticks_where_its_ratio_stays_within_mu(mu):
+    """Loads N and T = rho N, at the depth h below s = a: v = N a^3 / 3 + T h a^2 / 2, u = h (N a^2 / 2 + T h a)."""
+    h, a, rho, radius = 0.05, 0.5, 0.1, 0.1
+    slope = h * (a / 2 + rho * h) / (a * a / 3 + rho * h * a / 2)  # u / v that needs the ratio rho
+    target = Circle(radius=radius).at(x=a + slope * 0.1 * Q, y=-h - radius + 0.1 * Q)
+    motion = gr.Motion("q", (-0.1, 1e-4, 1e-3))
+    friction = gr.Friction(coefficient=mu)
+    result = gr.trace(
+        gr.Scene(finger=unit_finger(2 * h), object=target, motion=motion, theory="bending", friction=friction)
+    )
+    _, first, second = (pose for pose in result.poses)
+    if mu > rho:
+        assert [pose.contacts[0].state for pose in (first, second)] == ["stick", "stick"]
+        assert -first.contacts[0].tangential_force / first.contacts[0].normal_force == pytest.approx(rho, rel=2e-2)
+        assert second.dissipation <= 1e-9 * second.energy
+    else:
+        assert [pose.contacts[0].state for pose in (first, second)] == ["slip", "slip"]
+    assert balance(result.poses).max() < 1e-3
+
+
+# along the finger
+
+
+def test_stick_ends_at_the_coefficient_of_the_place_where_the_contact_is():
+    """Mu is 0.3 at s = 0.5, where it touches first: there the contact sticks, and moves to where mu is larger."""
+    s = sympy.Symbol("s")
+    h, a, radius = 0.05, 0.5, 0.1
+
+    def pressed(friction):
+        target = Circle(radius=radius).at(x=a + 0.0149 * Q, y=-h - radius + 0.1 * Q)
+        motion = gr.Motion("q", (-0.1, 0.3))
+        scene = gr.Scene(finger=unit_finger(2 * h), object=target, motion=motion, theory="bending", friction=friction)
+        return gr.trace(scene)
+
+    graded, slipped = pressed(gr.Friction(coefficient=0.6 - 0.6 * s)), []
+    for result in (graded, pressed(gr.Friction(coefficient=0.3))):
+        slipped.append(next(event.parameter for event in result.events if event.kind == "slip"))
+    contact = graded.poses[-1].contacts[0]
+    ratio = abs(contact.tangential_force) / contact.normal_force
+    assert ratio == pytest.approx(0.6 - 0.6 * contact.s, rel=1e-8)
+    assert slipped[0] > 1.0001 * slipped[1]
+    assert balance(graded.poses).max() < 1e-3
