@@ -21,6 +21,7 @@ _HALVINGS = 4  # of a way along a branch
 _DEPARTS = 0.5  # of a step: what it may differ from its prediction
 _APART = 1e-4  # of L: shapes that differ by more are of different branches
 _SMALL = 1e-5  # of L: the step along the tangent
+_GENTLE, _GENTLEST = 0.1, 1e-4  # of the forces, what such a step changes; of the step, what is left of it
 STILL = 1e-12
 """Of L: object and clamp do not move against each other."""
 SHARP = 1e-10  # of the step: where an event is located to
@@ -95,6 +96,11 @@ def nudged(setting: Setting, path: Path, at: Along, heading: float) -> tuple[Equ
         return equilibrium, 0.0
     small = heading * _SMALL / fast
     state = predicted(setting, equilibrium, small)
+    loads = [(old[0], new[0] - old[0]) for old, new in zip(equilibrium.state.loads, state.loads, strict=True)]
+    least = min((abs(load / change) for load, change in loads if change), default=1.0)
+    if least < _GENTLE:  # just touched: the ratio of a contact that sticks changes as fast as its force grows
+        small *= max(_GENTLE * least, _GENTLEST)
+        state = predicted(setting, equilibrium, small)
     obstacle = setting.obstacle(path.frame(at.parameter + small))
     lin = linearise(state.beam, state.z, setting.outline, obstacle, state.sites, state.multipliers)
     return Equilibrium(state, obstacle, lin, 0), small
