@@ -8,13 +8,14 @@ from typing import Literal
 import numpy as np
 
 from gripper.assemble import least_gaps
-from gripper.branch import Along, Path, bracketed, joined, pointed, released
+from gripper.branch import Along, Branch, Path, bracketed, joined, pointed, released
 from gripper.certificate import survey
 from gripper.equilibrium import NoEquilibriumError, Setting, State, unloaded
 from gripper.features import feature_name, gone_and_come
 from gripper.obstacle import Obstacle
 from gripper.site import Site
 from gripper.turning import adjacent, changed
+from gripper.verified import objection
 
 STRUT = "met head-on the finger is a strut and buckles: to which side is undecided by statics"
 _GRAZED = 1e-9  # of L: contacts that only graze are none
@@ -58,6 +59,24 @@ def changes(setting: Setting, path: Path, old: Along, new: Along, order: int) ->
         where = released(setting, path, old, new, lost, order)
         out.append(Change(where, "release", feature_name(outline, lost)))
     return out
+
+
+def check_unbroken(setting: Setting, path: Path, old: Along, new: Along, order: int) -> None:
+    """Contacts that were found anew, not predicted, are those of the old branch all the way, if they look like them.
+
+    Raises
+    ------
+    NoEquilibriumError
+        Where the old branch ends elsewhere, or something else touches in between: what came has gone again.
+    """
+    kinds = [[(site.kind, site.piece, site.vertex) for site in at.equilibrium.state.sites] for at in (old, new)]
+    if kinds[0] != kinds[1]:
+        return
+    branch = Branch(setting, path, old, order)
+    joined(setting, path, Along(new.parameter, branch.at(new.parameter)), new, order)
+    between = branch.at((old.parameter + new.parameter) / 2)
+    if objection(setting, between) or not survey(setting, between.obstacle, between.state).clear:
+        raise NoEquilibriumError("something else touches before")
 
 
 def _moves(old: Along, new: Along) -> list[float]:

@@ -22,7 +22,7 @@ from gripper.certificate import DEPTH, Survey, survey
 from gripper.clearance import clearance
 from gripper.contact import linearise
 from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, predicted, reckoned, unloaded
-from gripper.events import STRUT, Change, changes, head_on
+from gripper.events import STRUT, Change, changes, check_unbroken, head_on
 from gripper.features import transition
 from gripper.loop import Loop
 from gripper.obstacle import Frame
@@ -234,14 +234,14 @@ class Tracker:
         obstacle = self.setting.obstacle(self.path.frame(following))
         try:
             found = find(self.setting, obstacle, start, self.order, known)
+            moved, travel = distance(found.equilibrium.state, start), self._travel(self.parameter, following)
+            self._compare(found, moved, travel)
+            if distance(found.equilibrium.state, self._pushed(found)) > _DEPARTS * moved:
+                raise NoEquilibriumError("the step departs from its prediction")
         except NoEquilibriumError as error:
             if head_on(self.setting, self.path, Along(self.parameter, self.current.equilibrium), following):
-                raise NoEquilibriumError(STRUT) from error
+                raise NoEquilibriumError(STRUT, error.effort) from error
             raise
-        moved, travel = distance(found.equilibrium.state, start), self._travel(self.parameter, following)
-        self._compare(found, moved, travel)
-        if distance(found.equilibrium.state, self._pushed(found)) > _DEPARTS * moved:
-            raise NoEquilibriumError("the step departs from its prediction")
         return found
 
     def _pushed(self, found: Verified) -> State:
@@ -272,6 +272,9 @@ class Tracker:
                 raise
             found = self._found(following, guess)
             self._compare(found, distance(found.equilibrium.state, start.state), max(travel, expected / 2))
+            if travel > _INDIVISIBLE:
+                before, after = Along(self.parameter, start), Along(following, found.equilibrium)
+                check_unbroken(self.setting, self.path, before, after, self.order)
         return found
 
     def _found(self, following: float, guess: State) -> Verified:

@@ -85,6 +85,14 @@ def test_another_branch_is_told_by_its_force() -> None:
     assert "branch" in oracles.other_steps(right, replace(right, force_on_object=(0.0, 1.0)))
 
 
+def test_a_strut_that_buckles_without_a_word_is_told() -> None:
+    strut = next(wanted for wanted in lines() if wanted.family == "head-on")
+    assert "undecided" in oracles.undecided(strut, solved())
+    assert oracles.undecided(PLAIN, solved()) is None
+    silent = replace(solved(), events=())
+    assert oracles.undecided(strut, silent) is None  # never touched
+
+
 @pytest.mark.parametrize("body", [circle(0.1), Body("ellipse", (0.2, 0.1, 0.5))], ids=["circle", "ellipse"])
 @pytest.mark.parametrize("theory", ["bending", "shear"])
 def test_a_chain_that_descends_ends_where_the_solver_does(body: Body, theory: str) -> None:

@@ -350,3 +350,16 @@ def test_arithmetic_that_breaks_down_fails_its_pose_with_a_reason() -> None:
 def test_a_matrix_that_cannot_be_factorised_is_a_refusal() -> None:
     with pytest.raises(NoEquilibriumError, match="the arithmetic breaks down: Singular matrix"), reckoned():
         np.linalg.inv(np.zeros((2, 2)))
+
+
+@pytest.mark.parametrize("theory", ["bending", "shear"])
+def test_a_strut_s_undecided_side_is_told_however_long_the_steps(theory: str) -> None:
+    """Example II from further left: the end face is met head-on, and beyond the snap the finger leans to one side."""
+    long, short = (
+        gr.trace(replace(rotating_finger(*values), theory=theory)).events
+        for values in ((-0.21, -0.16), (-0.21, -0.19, -0.187, -0.185, -0.16))
+    )
+    assert [event.kind for event in long] == [event.kind for event in short] == ["touch", "change", "snap"]
+    assert "undecided" in long[-1].detail
+    for one, other in zip(long, short, strict=True):
+        assert one.parameter == pytest.approx(other.parameter, abs=1e-5)

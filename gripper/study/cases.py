@@ -158,6 +158,23 @@ def facing(name: str, finger: Finger, body: Body, y: float, *, theory: BeamTheor
     return Case("head-on", name, scene, body, start, stop, built=False)
 
 
+def example_two(theory: BeamTheory) -> Case:
+    """Lan & Lee's Example II from further left than they begin: the ellipse meets the turning finger's end face."""
+    length, (start, stop), y = 0.1778, (-0.21, 0.05), 0.12065
+    rubber = {"youngs_modulus": 4.8e6, "shear_modulus": 1.71e6, "poisson_ratio": 0.4}
+    finger = tapered(0.030 / length, 0.017 / length, length, **rubber)
+    body = Body("ellipse", (0.04953 / length, 0.033655 / length, 0.0))
+    x = start + Q * (stop - start)
+    scene = Scene(
+        finger=finger.at(angle=math.radians(102) - math.radians(236.22) * x),
+        object=body.plugin(length)[0].at(x=x, y=y),
+        motion=Motion("q", (0.0, 1.0)),
+        theory=theory,
+    )
+    places = (start / length, y / length), (stop / length, y / length)
+    return Case("head-on", f"Example II from x_e = {start}, {theory}", scene, body, *places, built=False)
+
+
 def uniform(thickness: float, length: float = 0.1, **material: Any) -> Finger:
     """A uniform finger, its thickness by L."""
     made = Material(**(PLASTIC | material))
@@ -217,6 +234,8 @@ def maps() -> Iterator[Case]:
     for y in (0.0, 1e-3, 0.02, -0.02):
         for theory in _THEORIES:
             yield facing(f"y/L = {y:g}, {theory}", plain, circle(0.2), y, theory=theory)
+    for theory in _THEORIES:
+        yield example_two(theory)
     for power in range(0, 16, 3):
         yield case("scale", f"E = 1e{power} Pa", uniform(0.05, youngs_modulus=10.0**power), pin, 0.7, 0.1)
     for power in range(-9, 4, 3):

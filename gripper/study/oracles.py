@@ -80,6 +80,14 @@ def other_steps(one: PoseResult, other: PoseResult) -> str | None:
     return None
 
 
+def undecided(case: Case, result: Result) -> str | None:
+    """Whether a strut that is met head-on has buckled to one side without a word: statics do not decide to which."""
+    if case.family != "head-on" or any(event.kind == "snap" for event in result.events):
+        return None
+    touched = any(event.kind == "touch" for event in result.events)
+    return "undecided: the side to which a strut buckles was picked without a snap that says so" if touched else None
+
+
 def descent(case: Case, result: Result) -> str | None:
     """Whether a chain of rigid links that is pushed up by the object in small steps ends in the same place.
 

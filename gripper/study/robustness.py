@@ -86,6 +86,7 @@ def _verdict(case: Case, result: Result, descend: bool) -> tuple[Verdict, str]:
     objections: list[str | None] = [
         oracles.overlap(case, pose, q) for pose, q in zip(result.poses, _POSES, strict=True)
     ]
+    objections.append(oracles.undecided(case, result))
     if not any(1.0 - _STEP <= event.parameter for event in result.events):
         objections.append(oracles.energy_slope(result.poses[-3:], _STEP))
     halved = trace(case.moving(_HALVED)).poses[-1]
