@@ -14,7 +14,7 @@ from gripper.assemble import Problem, assemble, first_order
 from gripper.beam import BeamTheory
 from gripper.contact_forces import NO_FORCE
 from gripper.equilibrium import Equilibrium, Setting
-from gripper.kept import Kept
+from gripper.fingers import Finger
 from gripper.ladder import RUNGS, richer, theory_difference
 from gripper.outline import Outline
 from gripper.pose import placed
@@ -25,7 +25,6 @@ from gripper.trace import trace
 
 _ADDS = {"bending": "curvature kappa", "shear": "shear strain gamma", "stretch": "stretch of the axis eps"}
 _PACKAGES = ("sympy", "numpy", "scipy", "shapely", "matplotlib", "pydantic", "typer", "rich", "casadi")
-_ALONG = np.linspace(0.0, 1.0, 65)
 
 
 @dataclass(frozen=True)
@@ -118,13 +117,20 @@ def _terms(scene: Scene, result: Result, pose: PoseResult) -> list[Decision]:
         change = _change(scene, below, pose.parameter)
         known = "what it changes is not known" if change is None else f"it changes forces by {100 * change:.2g} %"
         out.append(Decision(_ADDS.get(theory, theory), RUNGS.index(theory) <= chosen, f"{known} ({asked})"))
-    if "stretch" not in RUNGS[: chosen + 1]:
-        out += [Decision(_ADDS["stretch"], False, _stretch(pose.kept))] if pose.kept else []
     rough = scene.friction is not None and not scene.friction.absent
     mu = "no coefficient is given" if scene.friction is None else "the coefficient is 0"
     model = scene.friction.model if scene.friction else ""
     out.append(Decision("friction", rough, f"Coulomb's, as asked ({model})" if rough else mu))
-    return out
+    return [*out, *_finger(placed(scene.finger).body)]
+
+
+def _finger(finger: Finger) -> list[Decision]:
+    """What the finger may have: a law of its own, and a shape at rest."""
+    law, bent = finger.material.law, bool(finger.rest_curvature)
+    return [
+        Decision("nonlinear law", law != "linear", f"the material's law is {law}"),
+        Decision("shape at rest", bent, "rest_curvature is given" if bent else "the unloaded finger is straight"),
+    ]
 
 
 def _strained(result: Result) -> str:
@@ -141,13 +147,6 @@ def _change(scene: Scene, theory: BeamTheory, parameter: float | None) -> float 
         bare = replace(bare, motion=Motion(scene.motion.parameter, values))
     pose = (trace(bare) if bare.motion else solve(bare)).poses[-1]
     return theory_difference(pose.kept.setting, pose.kept.equilibrium) if pose.kept and richer(theory) else None
-
-
-def _stretch(kept: Kept) -> str:
-    """An upper bound of the axis' strain: all of the force along it, EA = 12 EI / w^2."""
-    scales = kept.setting.sections
-    EA = float(np.min(12 * scales.EI(_ALONG) / scales.thickness(_ALONG) ** 2))
-    return f"the whole contact force along the axis would stretch it by {100 * abs(kept.equilibrium.force) / EA:.2g} %"
 
 
 def _parts(scene: Scene, result: Result) -> list[Decision]:
@@ -177,10 +176,16 @@ def _problem(scene: Scene, theory: str, pose: PoseResult) -> str:
     asked = replace(scene, theory=theory)  # type: ignore[arg-type]  # a model's theory is one of a scene's
     problem: Problem = assemble(asked, pose.parameter)
     kinds = [candidate.kind for candidate in problem.candidates]
-    words = {"stretch": "minima of g along stretches", "corner": "corners of the outline", "vertex": "object's corners"}
-    parts = ", ".join(f"{kinds.count(kind)} {words.get(kind, kind)}" for kind in dict.fromkeys(kinds))
+    words = {
+        "stretch": ("minimum of g along a stretch", "minima of g along stretches"),
+        "corner": ("corner of the outline", "corners of the outline"),
+        "vertex": ("corner of the object", "corners of the object"),
+        "node": ("fixed place", "fixed places"),
+    }
+    parts = ", ".join(_counted(kinds.count(kind), *words[kind]) for kind in dict.fromkeys(kinds))
     return (
-        f"SLSQP sees {problem.size} unknowns and {len(kinds)} constraints ({parts or 'nothing is near'}), "
+        f"SLSQP sees {_counted(problem.size, 'unknown')} and {_counted(len(kinds), 'constraint')} "
+        f"({parts or 'nothing is near'}), "
         "only where contacts are not known: at a touch or a change"
     )
 
@@ -195,8 +200,13 @@ def _system(fixed: Setting, equilibrium: Equilibrium, pose: PoseResult) -> str:
     free = "" if abs(equilibrium.force) > NO_FORCE else "; nothing touches"
     return (
         f"Newton finishes on {beam.size} + {len(lin.values)} + {len(lin.residuals)} unknowns: {strains} of {order}, "
-        f"estimated error {estimate:.1e}) on {beam.segments} segments, contact pressures, contact places{free}"
+        f"estimated error {estimate:.1e}) on {_counted(beam.segments, 'segment')}, "
+        f"contact pressures, contact places{free}"
     )
+
+
+def _counted(number: int, name: str, several: str | None = None) -> str:
+    return f"{number} {name if number == 1 else several or name + 's'}"
 
 
 _IMPORTS = """

@@ -54,7 +54,7 @@ def test_what_touches_is_constrained_and_what_does_not_is_left_out(name: str) ->
 def test_the_size_is_that_of_the_problem_that_slsqp_sees(name: str) -> None:
     touching = {"rotating finger": -0.0254, "jaw": 0.065}[name]
     problem = gr.assemble(SCENES[name], touching)
-    expected = f"SLSQP sees {problem.size} unknowns and {len(problem.candidates)} constraints"
+    expected = f"SLSQP sees {problem.size} unknowns and {len(problem.candidates)} constraint"
     assert explained(name).sizes[0].startswith(expected)
     assert problem.size <= 40
 
@@ -68,6 +68,25 @@ def test_solving_needs_no_drawing_no_command_line_and_no_other_optimiser() -> No
 def test_friction_is_needed_where_it_is_asked_for() -> None:
     rough = replace(SCENES["jaw"], friction=gr.Friction(coefficient=0.1))
     assert next(found for found in explain(rough).decisions if found.what == "friction").needed
+
+
+def test_the_stretch_of_the_axis_is_told_once_with_what_it_changes() -> None:
+    scene = SCENES["rotating finger"]
+    told = [found for found in explained("rotating finger").decisions if found.what.startswith("stretch")]
+    assert [found.needed for found in told] == [False]
+    forces = [
+        math.hypot(*gr.trace(replace(scene, theory=theory)).poses[0].force_on_object) for theory in ("shear", "stretch")
+    ]
+    assert float(told[0].why.split(" by ")[1].split(" %")[0]) / 100 == pytest.approx(1 - forces[1] / forces[0], rel=0.3)
+
+
+def test_a_shape_at_rest_and_a_law_are_needed_where_they_are_given() -> None:
+    plain = {found.what: found for found in explained("jaw").decisions}
+    assert not plain["shape at rest"].needed and not plain["nonlinear law"].needed
+    assert plain["nonlinear law"].why == "the material's law is linear"
+    finger = SCENES["jaw"].finger
+    bent = replace(SCENES["jaw"], finger=replace(finger, rest_curvature=-0.5))
+    assert next(found for found in explain(bent).decisions if found.what == "shape at rest").needed
 
 
 def test_a_scene_without_contact_says_that_nothing_touches() -> None:

@@ -178,9 +178,3 @@ def test_the_cost_script_measures_and_writes_what_it_prints(tmp_path: Path, caps
         ours = row.what.endswith("gripper")
         assert row.force_error < (1e-4 if ours else 0.04), row
         assert 0 < row.cpu_ms_min <= row.cpu_ms_median, row
-
-
-def test_the_cost_script_s_references_are_those_of_the_shooting_solution() -> None:
-    for theory, forces in cost_script().FORCES.items():
-        for x_e, force in forces.items():
-            assert list(force) == ELLIPSE[str(x_e)][f"{theory}, mu = 0"]["force_on_object"]

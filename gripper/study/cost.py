@@ -11,6 +11,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Generic, TypeVar
 
+import numpy as np
+
 from gripper.kinematics import Kinematics
 from gripper.pose import Pose, placed
 from gripper.scene import Scene
@@ -84,6 +86,14 @@ def single_pose(scene: Scene, parameter: float) -> Scene:
     places = Kinematics(scene, finger.body.length).placement(parameter)
     clamp, other = (Pose(x=x, y=y, angle=angle) for x, y, angle in (places.clamp, places.object))
     return replace(scene, finger=replace(finger, pose=clamp), object=replace(body, pose=other), motion=None)
+
+
+def shifted(scene: Scene, distance: float) -> Scene:
+    """The scene of one pose with its object moved along the undeflected finger, by a part of L."""
+    finger, target = placed(scene.finger), placed(scene.object)
+    angle, step = float(finger.pose.angle), distance * finger.body.length
+    pose = replace(target.pose, x=target.pose.x + step * np.cos(angle), y=target.pose.y + step * np.sin(angle))
+    return replace(scene, object=replace(target, pose=pose))
 
 
 _START_UP = """

@@ -19,6 +19,7 @@ from gripper.kinematics import Kinematics
 from gripper.pose import placed
 from gripper.scene import Motion, Scene
 from gripper.solve import approach, solve
+from gripper.study.cost import shifted
 from gripper.study.ipopt import Transcription, available
 from gripper.study.outcome import NoOutcomeError, Outcome, counted, of_nodes, of_strains
 from gripper.study.published import Gradients, PublishedProblem, PublishedResult, Shear, Start, solve_as_published
@@ -100,14 +101,6 @@ def methods(scene: Scene, *, quick: bool = False) -> tuple[Method, ...]:
         found.append(Method("CasADi/IPOPT, the paper's problem", "N", finer, _ipopt))
         found.append(Method("CasADi/IPOPT as a whole (model built)", "N", finer, _whole))
     return tuple(found)
-
-
-def shifted(scene: Scene, distance: float) -> Scene:
-    """The scene of one pose with its object moved along the undeflected finger, by a part of L."""
-    finger, target = placed(scene.finger), placed(scene.object)
-    angle, step = float(finger.pose.angle), distance * finger.body.length
-    pose = replace(target.pose, x=target.pose.x + step * np.cos(angle), y=target.pose.y + step * np.sin(angle))
-    return replace(scene, object=replace(target, pose=pose))
 
 
 def published(shear: Shear, gradients: Gradients) -> Callable[[Scene, float], Prepared]:

@@ -14,8 +14,8 @@ from gripper.equilibrium import NoEquilibriumError
 from gripper.kinematics import Kinematics
 from gripper.scene import Scene
 from gripper.solve import approach
-from gripper.study.cost import repeated, single_pose, start_up
-from gripper.study.methods import Method, methods, shifted
+from gripper.study.cost import repeated, shifted, single_pose, start_up
+from gripper.study.methods import Method, methods
 from gripper.study.outcome import QUANTITIES, NoOutcomeError, errors, uncertainty
 from gripper.study.shooting import shooting
 from gripper.study.shot import NoReferenceError, Shot
