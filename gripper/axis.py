@@ -7,6 +7,7 @@ with stretch (Simo 1985, after Reissner):    r' = exp(i psi) (1 + eps + i gamma)
 from __future__ import annotations
 
 import functools
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -43,14 +44,27 @@ class Axis:
         gamma, eps = beam.strain_maps @ z
         return cls(beam, z, turned, turned * (1 + eps + 1j * gamma))
 
-    @functools.cached_property
+    def integrated(self, weights: Array) -> tuple[Complex, Complex]:
+        """Positions (k,) and their gradients (k, n): r' and dr'/dz at the Gauss points under weights (k, g)."""
+        found: Complex = (weights @ self._moving).view(complex)
+        return found[:, 0], found[:, 1:]
+
+    @property
     def turning(self) -> Complex:
         """dr'/dz at the Gauss points, (g, n)."""
-        rates = (1j * self.direction)[:, None] * self.beam.theta_map
+        moving: Complex = self._moving.view(complex)
+        return moving[:, 1:]
+
+    @functools.cached_property
+    def _moving(self) -> Array:
+        """r' and dr'/dz side by side as real and imaginary parts, (g, 2 + 2 n): one product integrates both."""
+        moving = np.empty((self.direction.size, self.beam.size + 1), dtype=complex)
+        moving[:, 0] = self.direction
+        np.multiply((1j * self.direction)[:, None], self.beam.theta_map, out=moving[:, 1:])
         if self.beam.stretches:
             by_shear, by_stretch = self.beam.strain_maps
-            rates += self.section[:, None] * (by_stretch + 1j * by_shear)
-        return rates
+            moving[:, 1:] += self.section[:, None] * (by_stretch + 1j * by_shear)
+        return moving.view(float)
 
     def second_derivative(self, forces: Complex) -> Array:
         """sum_g f_g . d2r'_g/dz2, (n, n), for vectors f (g,) at the Gauss points."""
@@ -64,6 +78,11 @@ class Axis:
         return hessian
 
     @functools.cached_property
+    def fields(self) -> Array:
+        """The strain fields' coefficients, (fields, segments, p + 1)."""
+        return self.beam.coefficients(self.z)
+
+    @functools.cached_property
     def _series(self) -> Array:
         return self.beam.series(self.z, self.direction)
 
@@ -72,7 +91,16 @@ class Axis:
 
         Kappa is the strain: psi' less the curvature at rest.
         """
-        x, y, psi, kappa, *strains = self.beam.read(self._series, s, segment).T
+        return self._values(self.beam.read(self._series, s, segment), s)
+
+    def evenly(self, count: int) -> tuple[Array, Complex, Array, Complex, Array]:
+        """Stations (segments * count,) at even distances from end to end of each segment, and :meth:`values` there."""
+        steps = np.linspace(0.0, 1.0, count)
+        s = (self.beam.starts[:, None] + self.beam.lengths[:, None] * steps).ravel()
+        return s, *self._values(self.beam.read_evenly(self._series, count), s)
+
+    def _values(self, read: Array, s: Array) -> tuple[Complex, Array, Complex, Array]:
+        x, y, psi, kappa, *strains = read.T
         if self.beam.sections.rest is not None:
             psi = psi + self.beam.sections.rest.angle(s)
         if len(strains) == 2:
@@ -81,7 +109,7 @@ class Axis:
         return x + 1j * y, psi, np.exp(1j * (psi + strains[0] if strains else psi)), kappa
 
 
-def course(turn: Complex, strains: Array) -> Course:
+def course(turn: Complex, strains: Sequence[Array]) -> Course:
     """Direction of the axis where the section has turned by exp(i psi): r' and its derivatives.
 
     Parameters
@@ -89,7 +117,7 @@ def course(turn: Complex, strains: Array) -> Course:
     turn
         exp(i psi), (k,).
     strains
-        gamma, psi', psi'', gamma' and, with stretch, eps and eps', (4 or 6, k).
+        gamma, psi', psi'', gamma' and, with stretch, eps and eps', (k,) each.
     """
     if len(strains) == 4:
         gamma, kappa, _, gamma1 = strains

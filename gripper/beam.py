@@ -30,6 +30,15 @@ BeamTheory = Literal["bending", "shear", "stretch"]
 """From the cheapest to the richest: kappa, gamma, eps one after the other."""
 
 
+_FIELDS = {theory: number for number, theory in enumerate(get_args(BeamTheory), start=1)}
+
+
+@functools.cache
+def _before(segments: int) -> Array:
+    """Which segments lie before which, (segments, segments, 1)."""
+    return np.tri(segments, k=-1)[:, :, None]
+
+
 def legendre(x: Array, count: int) -> Array:
     """P_0 .. P_(count-1) at x (n,): (n, count)."""
     table: Array = eval_legendre(_degrees(count), x[:, None])
@@ -39,6 +48,12 @@ def legendre(x: Array, count: int) -> Array:
 @functools.cache
 def _degrees(count: int) -> Index:
     return np.arange(count)
+
+
+@functools.cache
+def _even(count: int, degrees: int) -> Array:
+    """P_0 .. P_(degrees-1) at even distances from -1 to 1: (count, degrees)."""
+    return legendre(np.linspace(-1.0, 1.0, count), degrees)
 
 
 def legendre_integrals(table: Array) -> Array:
@@ -127,9 +142,9 @@ class Beam:
     def __init__(self, sections: Sections, breaks: tuple[float, ...], order: int, theory: BeamTheory) -> None:
         self.sections, self.breaks, self.order, self.theory = sections, breaks, order, theory
         self.starts = np.array(breaks[:-1])
-        self.lengths = np.diff(breaks)
+        self.lengths = np.array(breaks[1:]) - self.starts
         self._halves = self.lengths / 2
-        self.fields = get_args(BeamTheory).index(theory) + 1
+        self.fields = _FIELDS[theory]
         self.stretches = theory == "stretch"
         self.segments = len(breaks) - 1
         self.modes = order + 1
@@ -138,31 +153,30 @@ class Beam:
         self.size = self._strains + self.yields
         self._rule = rule = _rule(order)
         self.gauss = (self.starts[:, None] + self.lengths[:, None] * (rule.x + 1) / 2).ravel()
-        self._whiten = self._whitening()
-        self._before = np.tri(self.segments, k=-1)  # which segments lie before which
+        self._upper, self._whiten = self._whitening()
+        before = _before(self.segments)
         full = self.lengths[:, None] * self._whiten[0][:, 0, :]
-        self._turns = self._before[:, :, None] * full  # psi at a segment's start, from each segment's kappa
-        self._gauss_weights = self._before[:, :, None] * (self.lengths[:, None] * rule.weights / 2)
+        self._turns = before * full  # psi at a segment's start, from each segment's kappa
+        self._gauss_weights = before * (self._halves[:, None] * rule.weights)
         self.theta_map = self._theta_map()
 
-    def _whitening(self) -> Array:
-        """Inverse Cholesky factors of each field's stiffness on each segment: (fields, segments, p + 1, p + 1)."""
-        q, m = self._rule.x.size, self.modes
-        stiffness = self.sections.stiffness(self.gauss)[: self.fields]
-        weights = np.reshape(stiffness, (self.fields, self.segments, q)) * self._halves[:, None]
-        grams = (weights @ self._rule.grams).reshape(self.fields, self.segments, m, m)
+    def _whitening(self) -> tuple[Array, Array]:
+        """Cholesky factors of each field's stiffness on each segment, and their inverses: (fields, segments, m, m)."""
+        m, shape = self.modes, (self.fields, self.segments, self._rule.x.size)
+        stiffness = np.array(self.sections.stiffness(self.gauss)[: self.fields]).reshape(shape)
+        grams = ((stiffness * self._halves[:, None]) @ self._rule.grams).reshape(self.fields, self.segments, m, m)
         upper = np.linalg.cholesky(grams).swapaxes(-1, -2)
-        return np.linalg.inv(upper)
+        return upper, np.linalg.inv(upper)
 
     def _theta_map(self) -> Array:
         """What r' turns by at the Gauss points: psi + gamma, with stretch psi alone, (g, n)."""
         q, m = self._rule.x.size, self.modes
         theta = np.zeros((self.segments, q, self.segments, self.fields, m))
         theta[:, :, :, 0] = self._turns[:, None]
-        each = np.arange(self.segments)
-        theta[each, :, each, 0] += (self.lengths / 2)[:, None, None] * (self._rule.integrals @ self._whiten[0])
+        own = np.einsum("iqifm->iqfm", theta)  # a view
+        own[:, :, 0] += self._halves[:, None, None] * (self._rule.integrals @ self._whiten[0])
         if self.fields == 2:
-            theta[each, :, each, 1] = self._rule.modes @ self._whiten[1]
+            own[:, :, 1] = self._rule.modes @ self._whiten[1]
         return self._with_base(theta.reshape(-1, self._strains), 1.0)
 
     def _with_base(self, maps: Array, turns: float) -> Array:
@@ -222,26 +236,35 @@ class Beam:
 
     def rows(self, s: Array, segment: Index) -> Rows:
         """The maps to stations s (k,), each read from the polynomials of its segment (k,)."""
-        k, m, each = s.size, self.modes, np.arange(s.size)
-        half, table = self._tables(s, segment)
-        local = table @ self._rule.station
-        position = self._gauss_weights[segment]
-        position[each, segment] = half[:, None] * local[:, 3 * m :]
-        fields = local[:, : 3 * m].reshape(k, 3, m)
-        fields[:, 1] *= half[:, None]
-        fields[:, 2] /= half[:, None]
-        fields = fields @ self._whiten[:, segment]
-        strains = np.zeros((7 if self.stretches else 5, k, self.segments, self.fields, m))
-        strains[0, :, :, 0] = self._turns[segment]
-        strains[0, each, segment, 0] += fields[0, :, 1]
-        strains[2, each, segment, 0], strains[3, each, segment, 0] = fields[0, :, 0], fields[0, :, 2]
-        for i in range(1, self.fields):
-            value, slope = (1, 4) if i == 1 else (5, 6)
-            strains[value, each, segment, i], strains[slope, each, segment, i] = fields[i, :, 0], fields[i, :, 2]
+        k = s.size
+        position = np.empty((k, self.segments, self._rule.x.size))
+        strains = np.zeros((7 if self.stretches else 5, k, self.segments, self.fields, self.modes))
+        numbers = segment.tolist()
+        first = 0
+        while first < k:  # neighbours of one segment at once: mostly all
+            last = first + 1
+            while last < k and numbers[last] == numbers[first]:
+                last += 1
+            self._fill_rows(s[first:last], numbers[first], position[first:last], strains[:, first:last])
+            first = last
         flat = strains.reshape(-1, k, self._strains)
         if self.yields:
             flat = np.concatenate([self._with_base(flat[:1], 1.0), self._with_base(flat[1:], 0.0)])
         return Rows(position.reshape(k, -1), flat)
+
+    def _fill_rows(self, s: Array, segment: int, position: Array, strains: Array) -> None:
+        """The maps to stations (k,) of one segment, written into those of all."""
+        m, half = self.modes, float(self._halves[segment])
+        local = legendre((s - self.starts[segment]) / half - 1, self._rule.x.size + 1) @ self._rule.station
+        position[:] = self._gauss_weights[segment]
+        position[:, segment] = half * local[:, 3 * m :]
+        fields = local[:, : 3 * m].reshape(-1, m) @ self._whiten[:, segment]
+        value, whole, slope = fields.reshape(self.fields, -1, 3, m).transpose(2, 0, 1, 3)
+        strains[0, :, :, 0] = self._turns[segment]
+        strains[0, :, segment, 0] += half * whole[0]
+        strains[2, :, segment, 0], strains[3, :, segment, 0] = value[0], slope[0] / half
+        for i, (at, rate) in enumerate(((1, 4), (5, 6))[: self.fields - 1], start=1):
+            strains[at, :, segment, i], strains[rate, :, segment, i] = value[i], slope[i] / half
 
     def coefficients(self, z: Array) -> Array:
         """Legendre coefficients of the fields: (fields, segments, p + 1)."""
@@ -250,7 +273,7 @@ class Beam:
 
     def unknowns(self, coefficients: Array, base_turn: float = 0.0) -> Array:
         """Whitened unknowns of given Legendre coefficients (fields, segments, p + 1) and of the base's turn, in rad."""
-        blocks = np.linalg.solve(self._whiten, coefficients[..., None])[..., 0]
+        blocks = (self._upper @ coefficients[..., None])[..., 0]
         strains = blocks.swapaxes(0, 1).reshape(-1)
         return strains if self.sections.base is None else np.append(strains, base_turn * np.sqrt(self.sections.base))
 
@@ -319,18 +342,26 @@ class Beam:
         """Values of :meth:`series` at stations s (k,) of given segments (k,): (k, 3 + fields)."""
         return (self._tables(s, segment)[1][:, None, :] @ series[segment])[:, 0]
 
-    def slope_bounds(self, z: Array) -> Array:
-        """Upper bounds of abs(kappa'), and of abs(r'') less abs(kappa r'), over each segment: (2, segments)."""
-        sizes = np.abs(self.coefficients(z) @ _differentiation(self.modes).T)  # |P_k| <= 1
+    def read_evenly(self, series: Array, count: int) -> Array:
+        """Values of :meth:`series` at even distances over each segment, (segments * count, 3 + fields)."""
+        read: Array = (_even(count, self._rule.x.size + 1) @ series).reshape(self.segments * count, -1)
+        return read
+
+    def slope_bounds(self, fields: Array) -> Array:
+        """Upper bounds of abs(kappa'), and of abs(r'') less abs(kappa r'), over each segment: (2, segments).
+
+        From the fields' coefficients, (fields, segments, p + 1).
+        """
+        sizes = np.abs(fields @ _differentiation(self.modes).T)  # |P_k| <= 1
         bounds = sizes.sum(axis=2) * (2 / self.lengths)
         return np.array([bounds[0], bounds[1:].sum(axis=0)])
 
-    def speed_bounds(self, z: Array) -> tuple[Array, Array]:
+    def speed_bounds(self, fields: Array) -> tuple[Array, Array]:
         """A lower and an upper bound of abs(r') over each segment, (segments,) each: 1 where the axis keeps its length.
 
         From abs(1 + eps + i gamma), with the fields bounded by the sums of their coefficients.
         """
         if not self.stretches:
             return np.ones(self.segments), np.ones(self.segments)
-        _, gamma, eps = np.abs(self.coefficients(z)).sum(axis=2)  # |P_k| <= 1
+        _, gamma, eps = np.abs(fields).sum(axis=2)  # |P_k| <= 1
         return np.maximum(1 - eps, 0.0), np.hypot(1 + eps, gamma)

@@ -26,7 +26,6 @@ from gripper.outline import LOWER, UPPER, Outline, crossings, dot
 DEPTH = 5e-7
 """Penetration that counts as none, by L."""
 _PER_SEGMENT = 8
-_STEPS = np.linspace(0.0, 1.0, _PER_SEGMENT + 1)
 _PER_EDGE = 4
 _ROUNDS = 14
 _MOST_PIECES = 60_000
@@ -52,13 +51,6 @@ class Pieces:
         """Some of them."""
         return Pieces(self.piece[which], self.u0[which], self.u1[which], self.segment[which])
 
-    def cut(self, count: int) -> Pieces:
-        """Each cut into equal parts."""
-        steps = np.linspace(0.0, 1.0, count + 1)
-        marks = self.u0[:, None] + (self.u1 - self.u0)[:, None] * steps
-        again = [np.repeat(values, count) for values in (self.piece, self.segment)]
-        return Pieces(again[0], marks[:, :-1].ravel(), marks[:, 1:].ravel(), again[1])
-
 
 @dataclass(frozen=True, eq=False)
 class Survey:
@@ -74,8 +66,8 @@ class Survey:
         Whether the bound is proved, or rests on sampled sizes of grad g.
     deepest
         Samples in penetration that are the deepest of their neighbourhood: (piece, u) each.
-    pieces, gaps, depths
-        The first sampling, g and g / |grad g| at the pieces' ends, (2, k) each.
+    pieces, points, gaps, depths
+        The first sampling, where its pieces start, (k,), and g and g / |grad g| at their ends, (2, k) each.
     engulfed
         Whether the object's inner point lies within the finger or its jaw.
     sunken
@@ -90,6 +82,7 @@ class Survey:
     proved: bool
     deepest: tuple[tuple[int, float], ...]
     pieces: Pieces
+    points: Complex
     gaps: Array
     depths: Array
     engulfed: bool
@@ -107,21 +100,25 @@ def survey(setting: Setting, obstacle: Obstacle, state: State, *, brief: bool = 
 
     A brief one stops at the first sampling where that finds penetration.
     """
-    axis = state.axis
-    arc = _ArcBounds(setting, state)
-    first = pieces = _whole(setting, state)
+    seen = _first(setting, state)
+    first, arc = seen.pieces, _ArcBounds(setting, state)
     proved, engulfed, worst, nearest = True, False, np.inf, np.inf
     inside: list[tuple[int, float, float]] = []
-    gaps = rough = np.empty((2, 0))
+    gaps = rough = points = np.empty((2, 0))
     sunken: tuple[tuple[int, float], ...] = ()
     total = 0
     for round_ in range(_ROUNDS):
-        ends = _Ends.of(setting, obstacle, axis, pieces)
+        pieces, ends = seen.pieces, _Ends.of(obstacle, seen)
         total += len(pieces.u0)
         depths = ends.g / ends.steepness
         if round_ == 0:
-            gaps, rough, engulfed = ends.g, depths, _engulfed(setting, obstacle, pieces, ends.points[0])
-            sunken = _sunken_corners(setting, obstacle, axis, pieces, ends.points)
+            points, gaps, rough, engulfed = (
+                ends.points,
+                ends.g,
+                depths,
+                _engulfed(setting, obstacle, pieces, ends.points[0]),
+            )
+            sunken = _sunken_corners(setting, obstacle, state.axis, pieces, ends.points)
         nearest = min(nearest, float(depths.min()))
         lower, sure = _lower_bound(obstacle, arc, pieces, ends)
         lower = lower / ends.steepness.min(axis=0)
@@ -137,10 +134,12 @@ def survey(setting: Setting, obstacle: Obstacle, state: State, *, brief: bool = 
         worst = min(worst, float(np.min(lower[done], initial=np.inf)))
         if done.all():
             break
-        pieces = pieces.take(open_).cut(_CUT)
+        seen = _cut(setting, state, pieces.take(open_))
     worst = min(worst, min((depth for *_, depth in inside), default=np.inf))
     least = float(worst)
-    return Survey(nearest, max(0.0, -least), proved, _deepest(inside), first, gaps, rough, engulfed, sunken, least)
+    return Survey(
+        nearest, max(0.0, -least), proved, _deepest(inside), first, points[0], gaps, rough, engulfed, sunken, least
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,47 +153,92 @@ class _Ends:
     kappa: Array
 
     @classmethod
-    def of(cls, setting: Setting, obstacle: Obstacle, axis: Axis, pieces: Pieces) -> _Ends:
-        k = len(pieces.u0)
-        piece, segment = np.tile(pieces.piece, 2), np.tile(pieces.segment, 2)
-        points, tangents, kappa = setting.outline.trace(axis, piece, np.concatenate([pieces.u0, pieces.u1]), segment)
-        g, normal = obstacle.slope(points)
-        values = (points, g, np.maximum(np.abs(normal), _FLAT), dot(normal, tangents), kappa)
-        return cls(*(value.reshape(2, k) for value in values))
+    def of(cls, obstacle: Obstacle, seen: _Seen) -> _Ends:
+        g, normal = obstacle.slope(seen.points)
+        values = (seen.points, g, np.maximum(np.abs(normal), _FLAT), dot(normal, seen.tangents), seen.kappa)
+        return cls(*(value[seen.ends] for value in values))
 
 
-def _whole(setting: Setting, state: State) -> Pieces:
+@dataclass(frozen=True, eq=False)
+class _Seen:
+    """Stretches of outline, and c, c' and kappa at samples (p,): each stretch runs from one to the next."""
+
+    pieces: Pieces
+    ends: Index  # the samples at both ends of each stretch, (2, k)
+    points: Complex
+    tangents: Complex
+    kappa: Array
+
+
+@functools.lru_cache(maxsize=8)  # the straight finger is looked at again and again, with the object elsewhere
+def _first(setting: Setting, state: State) -> _Seen:
     """Both faces segment by segment, every rigid edge."""
-    piece, segment, rigid = _numbers(setting.outline, state.beam.segments)
-    marks = (state.beam.starts[:, None] + state.beam.lengths[:, None] * _STEPS)[None].repeat(2, axis=0)
-    return Pieces(
-        piece,
-        np.concatenate([marks[:, :, :-1].ravel(), rigid[0]]),
-        np.concatenate([marks[:, :, 1:].ravel(), rigid[1]]),
-        segment,
-    )
+    plan = _plan(setting.outline, state.beam.segments)
+    s, *values = state.axis.evenly(_PER_SEGMENT + 1)
+    u = np.concatenate([s, s, plan.rigid])
+    s = s[plan.station]
+    offsets = setting.outline.offsets(plan.piece, u)[1:]
+    position, psi, along, kappa = (value[plan.station] for value in values)
+    points, tangents, kappa = setting.outline.lifted(plan.piece, s, offsets, (position, psi, along, kappa))
+    first, last = plan.ends
+    pieces = Pieces(plan.piece[first], u[first], u[last], plan.segment[first])
+    return _Seen(pieces, plan.ends, points, tangents, kappa)
+
+
+@dataclass(frozen=True, eq=False)
+class _Plan:
+    """Where the whole outline is sampled: piece, segment and station (of those read from the axis) of samples (p,)."""
+
+    piece: Index
+    segment: Index
+    station: Index
+    rigid: Array  # u of the samples on rigid edges, the last ones
+    ends: Index
 
 
 @functools.lru_cache(maxsize=64)
-def _numbers(outline: Outline, segments: int) -> tuple[Index, Index, tuple[Array, Array]]:
-    """The piece and the segment of every stretch of :func:`_whole`, and the ends of those on rigid edges."""
-    edges = np.arange(UPPER + 1, len(outline.pieces))
+def _plan(outline: Outline, segments: int) -> _Plan:
+    """Both faces read at the same stations, rigid edges from the last one: the tip."""
+    edges, each = np.arange(UPPER + 1, len(outline.pieces)), _PER_SEGMENT + 1
     lengths = np.array([piece.length for piece in outline.pieces])[edges]
-    rigid = Pieces(edges, np.zeros(len(edges)), lengths, np.full(len(edges), segments - 1)).cut(_PER_EDGE)
-    faces = np.repeat([LOWER, UPPER], segments * _PER_SEGMENT)
-    along = np.tile(np.repeat(np.arange(segments), _PER_SEGMENT), 2)
-    numbers = np.concatenate([faces, rigid.piece]), np.concatenate([along, rigid.segment])
-    return *numbers, (rigid.u0, rigid.u1)
+    rigid = lengths[:, None] * np.linspace(0.0, 1.0, _PER_EDGE + 1)
+    faces, along = np.repeat([LOWER, UPPER], segments * each), np.tile(np.arange(segments).repeat(each), 2)
+    stations = np.tile(np.arange(segments * each), 2)
+    ends = [_neighbours(2 * segments, each), faces.size + _neighbours(len(edges), _PER_EDGE + 1)]
+    return _Plan(
+        np.concatenate([faces, edges.repeat(_PER_EDGE + 1)]),
+        np.concatenate([along, np.full(rigid.size, segments - 1)]),
+        np.concatenate([stations, np.full(rigid.size, segments * each - 1)]),
+        rigid.ravel(),
+        np.concatenate(ends, axis=1),
+    )
+
+
+def _neighbours(rows: int, each: int) -> Index:
+    """The samples at both ends of each stretch, of rows with a number of samples each, (2, k)."""
+    numbers = np.arange(rows * each).reshape(rows, each)
+    return np.array([numbers[:, :-1].ravel(), numbers[:, 1:].ravel()])
+
+
+def _cut(setting: Setting, state: State, pieces: Pieces) -> _Seen:
+    """Each stretch cut into equal parts."""
+    marks = pieces.u0[:, None] + (pieces.u1 - pieces.u0)[:, None] * np.linspace(0.0, 1.0, _CUT + 1)
+    piece, segment = pieces.piece.repeat(_CUT + 1), pieces.segment.repeat(_CUT + 1)
+    u = marks.ravel()
+    ends = _neighbours(len(pieces.u0), _CUT + 1)
+    first, last = ends
+    parts = Pieces(piece[first], u[first], u[last], segment[first])
+    return _Seen(parts, ends, *setting.outline.trace(state.axis, piece, u, segment))
 
 
 class _ArcBounds:
     """Bounds of |c'| and |c''| over stretches of the faces; a rigid edge is straight with |c'| = 1."""
 
     def __init__(self, setting: Setting, state: State) -> None:
-        self.kappa_slope, self.strain_slope = state.beam.slope_bounds(state.z)
+        self.kappa_slope, self.strain_slope = state.beam.slope_bounds(state.axis.fields)
         if setting.sections.rest is not None:
             self.kappa_slope = self.kappa_slope + setting.sections.rest.bounds[1]
-        self.slowest, self.fastest = state.beam.speed_bounds(state.z)
+        self.slowest, self.fastest = state.beam.speed_bounds(state.axis.fields)
         self.thickness = setting.sections.thickness_bounds
 
     def of(self, pieces: Pieces, kappas: Array) -> tuple[Array, Array, Array]:
@@ -224,6 +268,8 @@ def _lower_bound(obstacle: Obstacle, arc: _ArcBounds, pieces: Pieces, ends: _End
         steep, flat = bounds
     (f0, f1), slopes = ends.g, ends.slopes
     plain = (f0 + f1 - steep * h * longest) / 2
+    if plain.min() > 0:
+        return plain, bounds is not None
     with np.errstate(invalid="ignore", over="ignore"):
         M = steep * bent - flat * np.where(flat < 0, longest, shortest) ** 2
     finite = np.isfinite(M)

@@ -6,14 +6,20 @@ import numpy as np
 
 from gripper.arrays import Array, Complex
 from gripper.equilibrium import Setting
+from gripper.objects import Object
+from gripper.objects.compiled import PerInstance
 from gripper.obstacle import Obstacle
 from gripper.outline import UPPER, dot
 from gripper.parabola import vertex
 from gripper.verified import Verified
 
-_FEET = 60  # far from the object each step halves the way that is left, near it Newton's doubles the digits
+_FEET = 60  # six do; many where g is far from a parabola
+_TURN = 0.5  # rad: the most that a foot goes round its circle of curvature in a step
+_COARSE = 1e-3  # of an object's size: how near chords between samples of its outline are
 _OFF = 1e-7  # of L: a foot that near is on the outline
-_ARRIVED = 1e-8  # of L: the distance of a foot that is off by this much is right to its square
+_ARRIVED = (
+    1e-4  # last step, relative: what is left of a foot's way is its square, and of the distance the square of that
+)
 _MARKS = np.linspace(-1.0, 1.0, 9)
 _ZOOMS = 7
 _FINER = 16.0  # a parabola's vertex is that much nearer than the samples
@@ -35,24 +41,53 @@ def clearance(setting: Setting, verified: Verified) -> float:
 
 def distances(obstacle: Obstacle, points: Complex) -> Array:
     """Distances of points outside to the object, by L: to the feet of the normals, found by Newton's method."""
+    return _distances(obstacle, points, _beside(obstacle, points))[0]
+
+
+def _beside(obstacle: Obstacle, points: Complex) -> Complex:
+    """The sample of the object's outline nearest to each point: feet of other normals lie about it."""
+    samples = obstacle.place(_samples(obstacle.body))
+    if not samples.size:
+        return points
+    near: Complex = samples[np.abs(points[:, None] - samples).argmin(axis=1)]
+    return near
+
+
+def _sampled(body: Object) -> Complex:
+    """Points of an outline (k,), in m, in the object's frame; none of one without bounds."""
+    box = body.box
+    if not np.all(np.isfinite(box)):
+        return np.empty(0, dtype=complex)
+    lines = body.outline(tolerance=_COARSE * max(box[2] - box[0], box[3] - box[1]))
+    return np.concatenate([line[:, 0] + 1j * line[:, 1] for line in lines])
+
+
+_samples: PerInstance[Object, Complex] = PerInstance(_sampled)
+
+
+def _distances(obstacle: Obstacle, points: Complex, foot: Complex) -> tuple[Array, Complex]:
+    """The distances and the feet, found from others nearby."""
     g, normal = obstacle.slope(points)
     if np.all(np.abs(np.abs(normal) - 1) < 1e-9):
-        return _past_corners(obstacle, points, g, points - g * normal)  # g is the distance itself
-    size = np.maximum(np.abs(normal), 1e-12)
-    foot = points - g / size**2 * normal
+        foot = points - g * normal
+        return _past_corners(obstacle, points, g, foot), foot  # g is the distance itself
     for _ in range(_FEET):
         g, normal, (a, b) = obstacle.curvature(foot)
         size = np.maximum(np.abs(normal), 1e-12)
         unit = normal / size
         tangent, away = 1j * unit, points - foot
-        # on to g = 0 along the normal; along the tangent to the foot of the point on the circle of curvature
-        curvature = (a + (b * tangent.conj() ** 2).real) / size
-        widening = np.maximum(1 + curvature * dot(away, unit), 0.5)
-        step = dot(away, tangent) / widening * tangent - g / size * unit
+        # on to g = 0 along the normal, where the parabola has its root: a g that grows as the square of the distance
+        # is met in one step; along the tangent to the foot of the point on the circle of curvature
+        turn = (b * tangent.conj() ** 2).real  # of the Hessian: a + turn along the tangent, a - turn along the normal
+        down = 2 * g / (size + np.sqrt(np.maximum(size**2 - 2 * g * (a - turn), 0.0)))
+        curvature = (a + turn) / size
+        aside = dot(away, tangent) / np.maximum(1 + curvature * dot(away, unit), 0.5)
+        aside *= 1 / np.maximum(np.abs(aside * curvature) / _TURN, 1.0)
+        step = aside * tangent - down * unit
         foot = foot + step
-        if np.abs(step).max() < _ARRIVED:
+        if (np.abs(step) < _ARRIVED * (_ARRIVED + np.abs(away))).all():
             break
-    return _past_corners(obstacle, points, np.abs(points - foot), foot)
+    return _past_corners(obstacle, points, np.abs(points - foot), foot), foot
 
 
 def _past_corners(obstacle: Obstacle, points: Complex, found: Array, foot: Complex) -> Array:
@@ -69,17 +104,20 @@ def _distance(setting: Setting, verified: Verified) -> float:
     state, obstacle, survey = verified.equilibrium.state, verified.equilibrium.obstacle, verified.survey
     pieces, rough = survey.pieces, survey.depths[0]
     close = np.flatnonzero(rough <= _WIDER * rough.min() + 1e-9)
-    points = setting.outline.trace(state.axis, pieces.piece[close], pieces.u0[close], pieces.segment[close])[0]
-    found = distances(obstacle, points)
-    best = int(close[np.argmin(found)])
+    points = survey.points[close]
+    found, feet = _distances(obstacle, points, _beside(obstacle, points))
+    nearest = int(np.argmin(found))
+    best, foot = int(close[nearest]), feet[nearest]
     u, piece, least = float(pieces.u0[best]), int(pieces.piece[best]), float(np.min(found))
     step, length = float(pieces.u1[best] - pieces.u0[best]), setting.outline.pieces[piece].length
     which = np.full(_MARKS.size, piece)
     for _ in range(_ZOOMS):
         marks = (u + step * _MARKS).clip(0.0, length)
         segment = state.beam.segment_of(marks) if piece <= UPPER else np.full(marks.size, state.beam.segments - 1)
-        found = distances(obstacle, setting.outline.trace(state.axis, which, marks, segment)[0])
+        points = setting.outline.trace(state.axis, which, marks, segment)[0]
+        found, feet = _distances(obstacle, points, np.full(marks.size, foot))
         i = int(np.argmin(found))
+        foot = feet[i]
         (u, lowest), least = vertex(marks, found, i), min(least, float(found[i]))
         beside = found[max(i - 1, 0) : i + 2]
         if least - lowest < _SETTLED and np.ptp(beside) < _SMOOTH * step:

@@ -15,6 +15,7 @@ from gripper.arrays import Array
 from gripper.balance import cubic
 from gripper.branch import Along, Branch, Path, nudged, pointed
 from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting
+from gripper.parabola import vertex
 
 MARKS = np.linspace(0.0, 1.0, 129)
 _CLIMBS = 8
@@ -137,7 +138,7 @@ class Climber:
             best = int(np.argmax(heights))
             if best in (0, MARKS.size - 1) or heights[best] - max(inner[0], outer[0]) <= _SHARP * abs(heights[best]):
                 break
-            where = low.parameter + way * float(MARKS[best])
+            where = low.parameter + way * vertex(MARKS, heights, best)[0]
             found = Along(where, branch.at(where))
             rated = self._rated(measure, found, heading)
             if rated[1] * way > 0:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -57,6 +58,13 @@ class Linearisation:
         return contacts if self.push is None else contacts + self.push.force
 
 
+@functools.cache
+def _shifts(count: int) -> Array:
+    """How far Gauss points on a patch move with its two ends, (2, count)."""
+    x = np.polynomial.legendre.leggauss(count)[0]
+    return np.array([(1 - x) / 2, (1 + x) / 2])
+
+
 class System:
     """The arrays of a linearisation while its contacts are written into them."""
 
@@ -108,14 +116,14 @@ class System:
 
     def stiffened(self) -> Array:
         """sum_i force_i c_z^T H c_z: the part of the Hessian that comes from the object's curvature."""
-        active = np.flatnonzero(self.weights)
-        gradients, weights = self.stations.gradients[active], self.weights[active]
-        a, b = (weights * self.a[active])[:, None], (weights * self.b[active])[:, None]
-        curved = a * gradients + b * gradients.conj()
+        gradients = self.stations.gradients
+        back = gradients.conj()
+        curved = (self.weights * self.a)[:, None] * gradients + (self.weights * self.b)[:, None] * back
         if self.rubbing is not None:
-            curved *= np.asarray(self.turns)[active][:, None]
+            curved *= np.asarray(self.turns)[:, None]
         self.force_gradient += curved.sum(axis=0)
-        return gradients.real.T @ curved.real + gradients.imag.T @ curved.imag
+        stiffness: Array = (back.T @ curved).real
+        return stiffness
 
     def add_point(self, site: Site, i: int, row: int, column: int, force: float) -> None:
         """Tangent, node, or corner of the outline."""
@@ -132,20 +140,21 @@ class System:
     def add_patch(self, site: Site, span: slice, row: int, column: int, load: Array) -> None:
         """Pressure over [a, b]: the gap's moments vanish, and the gap at the free ends."""
         x, mean = self.rule(site)
-        gauss = slice(span.start, span.start + x.size)
-        rows = slice(row, row + site.modes)
+        gauss, free = slice(span.start, span.start + x.size), slice(span.start + x.size, span.stop)
+        rows, columns = slice(row, row + site.modes), slice(column, column + site.unknown_places)
         forces = load @ mean
         self.values[rows], self.gradients[rows] = mean @ self.gap[gauss], mean @ self.pressing[gauss]
         self.value_rates[rows] = mean @ self.gap_rate[gauss]
         self._load(gauss, forces)
         self.force_multipliers[rows] = mean @ self.normal[gauss]
-        for end, shift in zip(range(site.unknown_places), ((1 - x) / 2, (1 + x) / 2), strict=False):
-            i, at = gauss.stop + end, column + end
-            self.value_slopes[rows, at] = mean @ (shift * self.slope[gauss])
-            self.load_slopes[:, at] = (forces * shift) @ self.sliding[gauss]
-            self.force_places[at] = (forces * shift) @ self.bent[gauss]
-            self.residuals[at], self.residual_gradients[at] = self.gap[i], self.pressing[i]
-            self.residual_slopes[at, at], self.residual_rates[at] = self.slope[i], self.gap_rate[i]
+        shifts = _shifts(x.size)[: site.unknown_places]  # how far each point moves with each end
+        moved = shifts * forces
+        self.value_slopes[rows, columns] = mean @ (shifts * self.slope[gauss]).T
+        self.load_slopes[:, columns] = (moved @ self.sliding[gauss]).T
+        self.force_places[columns] = moved @ self.bent[gauss]
+        self.residuals[columns], self.residual_gradients[columns] = self.gap[free], self.pressing[free]
+        self.residual_slopes[columns, columns] = np.diag(self.slope[free])
+        self.residual_rates[columns] = self.gap_rate[free]
 
     def add_vertex(self, site: Site, i: int, row: int, column: int, force: float) -> None:
         """Corner v of the object at the foot u of its normal: n . (c - v) = 0, (c - v) . t = 0."""
@@ -183,9 +192,8 @@ class System:
 
     def linearisation(self, hessian: Array, queries: list[Array]) -> Linearisation:
         """The finished arrays, with the contact forces point by point."""
-        spans = np.cumsum([0] + [len(q) for q in queries])
-        ends = [0 if site.kind not in ("patch", "tail") else site.unknown_places for site in self.sites]
-        cuts = [slice(a, b - e) for a, b, e in zip(spans[:-1], spans[1:], ends, strict=True)]
+        ends = [site.unknown_places if site.kind in ("patch", "tail") else 0 for site in self.sites]
+        cuts = [slice(span.start, span.stop - e) for (span, *_), e in zip(self.layout, ends, strict=True)]
         return Linearisation(
             self.values,
             self.gradients,

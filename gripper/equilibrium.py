@@ -15,12 +15,14 @@ from __future__ import annotations
 
 import functools
 import itertools
+import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.linalg.lapack import dgesv
 
 from gripper.acting import Acting
 from gripper.arrays import Array, Complex
@@ -113,10 +115,10 @@ class State:
         """The deflected axis."""
         return Axis.of(self.beam, self.z)
 
-    @functools.cached_property
+    @property
     def fields(self) -> Array:
         """The strain fields' coefficients, (fields, segments, p + 1)."""
-        return self.beam.coefficients(self.z)
+        return self.axis.fields
 
     @functools.cached_property
     def energy(self) -> float:
@@ -188,7 +190,9 @@ class Equilibrium:
     @functools.cached_property
     def _tangent(self) -> Step:
         lin = self.linear
-        rates = np.linalg.solve(self.matrix(), np.concatenate([lin.load_rates, -lin.value_rates, -lin.residual_rates]))
+        rates = solved(self.matrix(), np.concatenate([lin.load_rates, -lin.value_rates, -lin.residual_rates]))
+        if rates is None:
+            raise np.linalg.LinAlgError("the tangent is vertical")
         return _split(rates, lin)
 
     @property
@@ -249,8 +253,8 @@ def reckoned() -> Iterator[None]:
 
 def _matrix(state: State, lin: Linearisation) -> Array:
     n, m, k = lin.gradients.shape[1], len(lin.values), len(lin.residuals)
-    matrix = np.zeros((n + m + k, n + m + k))
-    matrix[:n, :n] = state.energy_hessian - lin.hessian
+    matrix = np.zeros((n + m + k, n + m + k), order="F")  # as LAPACK has it
+    np.subtract(state.energy_hessian, lin.hessian, out=matrix[:n, :n])
     matrix[:n, n : n + m], matrix[:n, n + m :] = -lin.loads.T, -lin.load_slopes
     matrix[n : n + m, :n], matrix[n : n + m, n + m :] = lin.gradients, lin.value_slopes
     matrix[n + m :, :n], matrix[n + m :, n + m :] = lin.residual_gradients, lin.residual_slopes
@@ -271,11 +275,19 @@ def kkt_step(state: State, lin: Linearisation) -> Step:
         Where the system is singular.
     """
     stationarity = state.energy_gradient - lin.load(state.multipliers)
-    try:
-        step = np.linalg.solve(_matrix(state, lin), -np.concatenate([stationarity, lin.values, lin.residuals]))
-    except np.linalg.LinAlgError as error:
-        raise NoEquilibriumError("the KKT system is singular (parallel constraints)") from error
+    step = solved(_matrix(state, lin), -np.concatenate([stationarity, lin.values, lin.residuals]))
+    if step is None:
+        raise NoEquilibriumError("the KKT system is singular (parallel constraints)")
     return _split(step, lin)
+
+
+def solved(matrix: Array, right: Array) -> Array | None:
+    """The solution of a linear system, whose matrix is overwritten; None where it is singular.
+
+    LAPACK's own routine: numpy's and scipy's functions take twice as long on matrices of this size.
+    """
+    *_, solution, info = dgesv(matrix, right, overwrite_a=True, overwrite_b=True)
+    return None if info else solution
 
 
 def advanced(setting: Setting, state: State, step: Step) -> State:
@@ -287,7 +299,7 @@ def advanced(setting: Setting, state: State, step: Step) -> State:
     breaks = setting.breaks(moved.sites)
     if len(breaks) != len(state.beam.breaks):
         return moved
-    moves = np.subtract(breaks, state.beam.breaks)
+    moves = np.array(breaks) - state.beam.breaks
     if np.abs(moves).max() < _EXACT * state.beam.lengths.min():
         return moved
     carried = state.beam.convection(state.z, moves)
@@ -341,10 +353,11 @@ def predicted(
     return _carried(setting, moved, breaks, now.state.fields + change * (flow + off) + turned * (flow - old_flow))
 
 
+@functools.lru_cache(maxsize=8)  # where a step ends the next one starts
 def _flow(setting: Setting, equilibrium: Equilibrium) -> Array:
     """Rates of the fields' coefficients, the segments moving with the contacts: (fields, segments, p + 1)."""
     state, (dz, dmultipliers, dplaces) = equilibrium.state, equilibrium.tangent()
-    small = _SMALL / max(float(np.max(np.abs(dplaces), initial=0.0)), 1.0)
+    small = _SMALL / max(_largest(dplaces), 1.0)
     moved = setting.breaks(state.moved(0 * dz, 0 * dmultipliers, small * dplaces).sites)
     moves = (
         np.subtract(moved, state.beam.breaks) / small if len(moved) == len(state.beam.breaks) else 0 * state.beam.starts
@@ -391,20 +404,28 @@ def _newton(setting: Setting, obstacle: Obstacle, state: State, order: int) -> E
         dz, dmultipliers, dplaces = kkt_step(state, lin)
         factor = _shortening(state, dplaces)
         state = advanced(setting, state, (factor * dz, factor * dmultipliers, factor * dplaces))
-        length = factor * float(np.linalg.norm(dz))
+        length, size = factor * _size(dz), _size(state.z)
         way += length
-        last = length / (float(np.linalg.norm(state.z)) + _NO_STRAIN)
-        last = max(last, np.max(np.abs(dplaces), initial=0.0))
-        heaviest = np.max(np.abs(state.multipliers), initial=0.0)
-        if not np.isfinite(last) or np.linalg.norm(state.z) > _WILD or heaviest > _WILD**2:
+        last = max(length / (size + _NO_STRAIN), _largest(dplaces))
+        if not math.isfinite(last) or size > _WILD or _largest(state.multipliers) > _WILD**2:
             raise NoEquilibriumError("Newton's iteration diverged")
     raise NoEquilibriumError(f"Newton's iteration did not converge in {_ITERATIONS} steps")
 
 
 def _unbalanced(state: State, lin: Linearisation) -> float:
     """What is left of the stationarity condition, relative."""
-    left = float(np.linalg.norm(state.energy_gradient - lin.load(state.multipliers)))
-    return left / (float(np.linalg.norm(state.z)) + _NO_STRAIN)
+    left = _size(state.energy_gradient - lin.load(state.multipliers))
+    return left / (_size(state.z) + _NO_STRAIN)
+
+
+def _size(vector: Array) -> float:
+    """Its length: of vectors this short numpy's norm takes longer."""
+    return math.sqrt(float(vector @ vector))
+
+
+def _largest(values: Array) -> float:
+    """The largest of a few in size."""
+    return max(map(abs, values.tolist()), default=0.0)
 
 
 @functools.lru_cache(maxsize=16)

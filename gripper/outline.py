@@ -9,6 +9,7 @@ complex numbers x + iy throughout the solver: a quarter turn is a factor i, a . 
 from __future__ import annotations
 
 import functools
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -181,15 +182,23 @@ class Outline:
 
         On a rigid piece psi' is 0.
         """
-        s, P, P1, _ = self.offsets(piece, u)
-        position, psi, along, kappa = axis.values(s, segment)
+        s, *offsets = self.offsets(piece, u)
+        return self.lifted(piece, s, offsets, axis.values(s, segment))
+
+    def lifted(
+        self, piece: Index, s: Array, offsets: Sequence[Complex], values: tuple[Complex, Array, Complex, Array]
+    ) -> tuple[Complex, Complex, Array]:
+        """Points c, c' and psi' (k,) at these offsets from sections s (k,) with these values of the axis."""
+        P, P1, *_ = offsets
+        position, psi, along, kappa = values
         if self.sections.rest is not None:
             kappa = kappa + self.sections.rest.curvature(s)[0]
         flexible = piece <= UPPER
-        kappa = kappa * flexible
+        if not flexible.all():
+            kappa, along = kappa * flexible, along * flexible
         turn = np.exp(1j * psi)
         offset = P * turn
-        return position + offset, flexible * along + 1j * kappa * offset + P1 * turn, kappa
+        return position + offset, along + 1j * kappa * offset + P1 * turn, kappa
 
     def movable(self, axis: Axis, piece: Index, u: Array, segment: Index) -> tuple[Complex, Complex]:
         """Points c (k,) and c_z (k, n) at u (k,) along pieces (k,), from the given segments' polynomials."""
@@ -199,34 +208,38 @@ class Outline:
         if self.sections.rest is not None:
             psi = psi + self.sections.rest.angle(s)
         offset = P * np.exp(1j * psi)
-        moving = rows.position @ axis.turning + (1j * offset)[:, None] * rows.strains[0]
-        return rows.position @ axis.direction + offset, moving
+        position, moving = axis.integrated(rows.position)
+        return position + offset, moving + (1j * offset)[:, None] * rows.strains[0]
 
     def stations(self, axis: Axis, piece: Index, u: Array, segment: Index) -> Stations:
         """Points and derivatives at u (k,) along pieces (k,), read from the given segments' polynomials (k,)."""
         s, P, P1, P2 = self.offsets(piece, u)
         rows = axis.beam.rows(s, segment)
-        flexible = piece <= UPPER
         psi, *strains = rows.strains @ axis.z
         if self.sections.rest is not None:
             bent = self.sections.rest.curvature(s)
             psi, strains[1], strains[2] = psi + self.sections.rest.angle(s), strains[1] + bent[0], strains[2] + bent[1]
         turn = np.exp(1j * psi)
-        own, e0, e1 = course(turn, np.array(strains)), P * turn, P1 * turn
+        own, e0, e1 = course(turn, strains), P * turn, P1 * turn
         ie0, ie1 = 1j * e0, 1j * e1
-        _, kappa, kappa1, *_ = (strain * flexible for strain in strains)
-        along = own.along * flexible
-        # dc'/d(psi, gamma, kappa), and by eps
-        by_strain = [1j * along + ie1 - kappa * e0, own.by_shear * flexible, ie0 * flexible]
+        # dc'/d(psi, gamma, kappa), and by eps; what the strains at the section do is nothing to a rigid piece
+        by_strain = [own.along, own.by_shear, ie0]
+        kappa, kappa1, bend = strains[1], strains[2], own.bend
         maps = rows.strains[:3]
         if own.by_stretch is not None:
-            by_strain.append(own.by_stretch * flexible)
+            by_strain.append(own.by_stretch)
             maps = rows.strains[[0, 1, 2, 5]]
+        flexible = piece <= UPPER
+        if not flexible.all():
+            kappa, kappa1, bend, *by_strain = (value * flexible for value in (kappa, kappa1, bend, *by_strain))
+        along = by_strain[0]
+        by_strain[0] = 1j * along + ie1 - kappa * e0
+        position, moving = axis.integrated(rows.position)
         return Stations(
-            rows.position @ axis.direction + e0,
+            position + e0,
             along + e1 + kappa * ie0,
-            own.bend * flexible + P2 * turn + 2 * kappa * ie1 + kappa1 * ie0 - kappa**2 * e0,
-            rows.position @ axis.turning + ie0[:, None] * rows.strains[0],
+            bend + P2 * turn + 2 * kappa * ie1 + kappa1 * ie0 - kappa**2 * e0,
+            moving + ie0[:, None] * rows.strains[0],
             np.einsum("ck,ckn->kn", np.array(by_strain), maps),
             rows.position,
             e0,

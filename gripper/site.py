@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 Kind = Literal["tangent", "corner", "node", "vertex", "patch", "tail"]
 NARROW, WIDE = 2, 8
 """Fewest and most pressure modes of a patch: short, or long, against the length over which shear decays."""
+_UNKNOWN_PLACES = {"tangent": 1, "corner": 0, "node": 0, "vertex": 1, "patch": 2, "tail": 1}
 CUTS = {6: (0.35,), 8: (0.12, 0.35)}
 # parts of a patch with many modes where its segments end: strains of order p carry pressures of order p - 1, and the
 # pressure decays from the near end
@@ -59,7 +60,7 @@ class Site:
     @property
     def unknown_places(self) -> int:
         """How many coordinates of its place are unknown."""
-        return {"tangent": 1, "corner": 0, "node": 0, "vertex": 1, "patch": 2, "tail": 1}[self.kind]
+        return _UNKNOWN_PLACES[self.kind]
 
     @property
     def unknowns(self) -> int:
