@@ -47,7 +47,8 @@ class Material:
         "linear" in the strains; "secant": a curve of stress over strain (``table``); "logarithmic" (Hencky),
         "st_venant_kirchhoff", "neo_hookean": for large strain. All begin with E and nu (:mod:`gripper.laws`).
     table
-        Of law "secant": (strain, nominal stress in Pa), rising. Strains above 0 alone: compression mirrors tension.
+        Of law "secant": (strain, nominal stress in Pa) of a tensile test, rising, E being the slope at 0. Strains above
+        0 alone: compression mirrors tension. In plane strain all stresses are 1 / (1 - nu^2) times as large.
     """
 
     youngs_modulus: Positive

@@ -26,6 +26,8 @@ NOT_MODELLED = (
     "plasticity",
     "inertia",
 )
+UNLOADING = "unloading on another curve (Mullins' effect, plastic set)"
+AXIAL = "how the axial force stiffens sections of a nonlinear material (theory stretch has it)"
 HELD = "the object holds the finger"
 """How the reason of a pose begins to which no free pose leads."""
 _FURTHEST = 20.0  # of L: beyond this no retreat is tried
@@ -36,7 +38,9 @@ def model(scene: Scene, fixed: Setting, poses: Sequence[PoseResult]) -> Model:
     """What is solved for this scene, what is not, and where these poses leave what the theory holds."""
     own = (PUBLISHED,) if scene.friction and scene.friction.published else ()
     bent = () if fixed.sections.rest is None else ("curvature of the section at rest",)
-    law = () if fixed.sections.law is None else ("unloading on another curve (Mullins' effect, plastic set)",)
+    law: tuple[str, ...] = () if fixed.sections.law is None else (UNLOADING,)
+    if law and fixed.theory != "stretch":
+        law = (*law, AXIAL)
     notes = (plane_difference(fixed.sections.finger.material), *NOT_MODELLED, *law, *bent, *own)
     beyond = warnings(fixed.sections, poses, scene.tolerance)
     return Model(theory=fixed.theory, left_out=left_out(scene, fixed.theory), not_modelled=notes, warnings=beyond)

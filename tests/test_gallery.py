@@ -29,7 +29,16 @@ ROOT = Path(__file__).parents[1]
 SCRIPTS = [
     p
     for p in sorted((ROOT / "gallery").glob("*.py"))
-    if p.stem not in ("cost", "error_against_time", "force_curves", "robustness", "optimal_hook", "constant_force")
+    if p.stem
+    not in (
+        "cost",
+        "error_against_time",
+        "force_curves",
+        "robustness",
+        "optimal_hook",
+        "constant_force",
+        "material_laws",
+    )
 ]  # these have tests of their own, or are searches
 BEAM = json.loads((ROOT / "tests/reference/beam.json").read_text())
 EXACT = json.loads((ROOT / "tests/reference/exact.json").read_text())
