@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import itertools
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -89,13 +90,26 @@ def compiled(load: Load, finger: Finger, parameter: str | None) -> CompiledLoad:
         raise ValueError(f"a load must depend on {known}; got {', '.join(foreign)!r}")
     actions = [part.subs(dict.fromkeys(others, q)) for part in actions]
     places = [symbol for section in sections for symbol in section[1:]]
-    slopes = [sympy.diff(part, place) for part in actions for place in places]
-    rates = [sympy.diff(part, q) for part in actions]
+    slopes = _slopes(actions, places, symmetric=isinstance(load, PotentialLoad))
+    rates = [_slope(part, q) for part in actions]
     arguments = [q, *(symbol for section in sections for symbol in section)]
     parts = [*actions, *slopes, *rates, energy.subs(dict.fromkeys(others, q))]
     function = sympy.lambdify(arguments, parts, "numpy" if stations is None else "math", cse=True)
     marks = None if stations is None else np.minimum(np.array(stations) / finger.length, 1.0)
     return CompiledLoad(load, marks, finger.length, bool(others), function, count)
+
+
+def _slopes(actions: list[sympy.Expr], places: list[sympy.Symbol], *, symmetric: bool) -> list[sympy.Expr]:
+    """Derivatives of all actions by all places, row by row; where they are symmetric, half of them are derived."""
+    count, found = len(places), dict[tuple[int, int], sympy.Expr]()
+    for i, j in itertools.product(range(count), repeat=2):
+        found[i, j] = found[j, i] if symmetric and j < i else _slope(actions[i], places[j])
+    return list(found.values())
+
+
+def _slope(part: sympy.Expr, symbol: sympy.Symbol) -> sympy.Expr:
+    """A derivative; most are of what does not depend on the symbol."""
+    return sympy.diff(part, symbol) if part.has(symbol) else sympy.S.Zero
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,7 +18,7 @@ from gripper.result import Model, PoseResult, Result
 from gripper.scene import Scene
 from gripper.tracker import tracker_for
 from gripper.validity import plane_difference, warnings
-from gripper.verified import Verified, untouched
+from gripper.verified import Verified, stability, untouched
 
 NOT_MODELLED = (
     "deformation of the section and of the surface at the contact",
@@ -91,7 +91,7 @@ def approach(fixed: Setting, final: Frame, direction: tuple[float, float], order
     while True:
         free = unloaded(fixed, fixed.obstacle(path.frame(-back)), order)
         found = survey(fixed, free.obstacle, free.state, brief=True)
-        start = Verified(free, found)
+        start = Verified(free, found, stability(free))
         if untouched(fixed, start):
             break
         if back > _FURTHEST:

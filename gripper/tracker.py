@@ -30,7 +30,7 @@ from gripper.patches import settle_contacts
 from gripper.result import PoseResult
 from gripper.site import Site, pointed
 from gripper.snap import descend, distance
-from gripper.verified import Verified, untouched, verify
+from gripper.verified import Verified, stability, untouched, verify
 from gripper.watch import Watch
 
 ON_CLAMP = "the object lies on the clamp"
@@ -212,7 +212,7 @@ class Tracker:
     def _free(self, parameter: float, near: State | None = None) -> Verified:
         """The finger without contacts, straight where no loads bend it, and what the object leaves of it."""
         free = unloaded(self.setting, self.setting.obstacle(self.path.frame(parameter)), self.order, near)
-        return Verified(free, survey(self.setting, free.obstacle, free.state, brief=True))
+        return Verified(free, survey(self.setting, free.obstacle, free.state, brief=True), stability(free))
 
     def _at(self, parameter: float, state: State) -> Verified:
         obstacle = self.setting.obstacle(self.path.frame(parameter))
