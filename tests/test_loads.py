@@ -200,7 +200,7 @@ def test_a_column_is_refused_from_its_buckling_load_on(stiff):
 
 
 def at_rest(load, values, reach=0.75, theory="shear"):
-    """A finger and a circle at rest that it touches once the load has grown to a part of it (None: that is far away)."""
+    """A finger and a circle at rest that it touches once the load has grown to a part of it (None: far away)."""
     if reach is None:
         motion = gr.Motion("q", values)
         return gr.trace(gr.Scene(finger=TAPER, object=FAR, theory=theory, loads=(load,), motion=motion))
