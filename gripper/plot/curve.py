@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any
@@ -18,8 +19,8 @@ from gripper.result import Event, Result
 
 _WAYS: tuple[Any, Any] = ("-", (0, (4, 2)))
 """Lines of the way there, and of the way back."""
-_MARKS = 60
-"""Poses that are marked on a line, at most about."""
+_MARKS = 8.5
+"""Poses that are marked on a line, at most about, an inch of the figure's width."""
 _LABEL = 0.7
 """Room for the name of an event, in inches."""
 
@@ -76,9 +77,9 @@ def curve(result: Result, quantity: str = "force_on_object", *, width: float = P
 
 def _draw_line(ax: Axes, series: Series, component: int, look: dict[str, Any]) -> Line2D:
     """Draw one component: solid up to the first turning of the motion, dashed from there, broken at snaps."""
-    lines = []
+    lines, most = [], _MARKS * figure_of(ax).get_figwidth()
     for i, (x, y) in enumerate(series.ways(component)):
-        lines += ax.plot(x, y, **look, markevery=max(1, len(x) // _MARKS), linestyle=_WAYS[i % 2])
+        lines += ax.plot(x, y, **look, markevery=math.ceil(len(x) / most), linestyle=_WAYS[i % 2])
     held = series.sticking
     if held.any():
         hollow = {**look, "color": "white", "markeredgecolor": look["color"]}

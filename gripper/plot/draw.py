@@ -132,8 +132,8 @@ def _draw_force(ax: Axes, arrow: Arrow, key: Key) -> list[Artist]:
     length: Array = key.length.factor * key.arrow * arrow.force
     done: list[Artist] = []
     if length.any():
-        scale: dict[str, Any] = {"angles": "xy", "scale_units": "xy", "scale": 1.0, "units": "inches", "width": 0.02}
-        head: dict[str, Any] = {"headwidth": 4.5, "headlength": 5.5, "headaxislength": 5.0, "minlength": 0.1}
+        scale: dict[str, Any] = {"angles": "xy", "scale_units": "xy", "scale": 1.0, "units": "inches", "width": 0.017}
+        head: dict[str, Any] = {"headwidth": 4.5, "headlength": 5.0, "headaxislength": 4.5, "minlength": 0.1}
         halo = [withStroke(linewidth=1.6, foreground="white")]
         done.append(ax.quiver(*tail, *length, color=FORCE, zorder=1e3, path_effects=halo, **scale, **head))
     mark = _mark("", arrow.sticks)

@@ -198,10 +198,9 @@ def _chain(scene: Scene, N: float) -> Prepared:
 
     def problem(at: Scene, fixed: Setting = fixed, start: State | None = None) -> Problem:
         smooth = assemble(at)
-        begin = start or smooth.state(smooth.x0)
-        found = survey(fixed, smooth.obstacle, begin)
+        begin = start or smooth.state(smooth.x0).on(fixed.beam((), 0))
         obstacle = fixed.obstacle(smooth.obstacle.frame)
-        return Problem(fixed, obstacle, begin.on(fixed.beam((), 0)), near(fixed, obstacle, begin, found, _REACH))
+        return Problem(fixed, obstacle, begin, near(fixed, obstacle, begin, survey(fixed, obstacle, begin), _REACH))
 
     def solved(ready: Problem) -> OptimizeResult:
         found = minimize(**ready.scipy(_FTOL, _PATIENCE))
