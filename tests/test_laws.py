@@ -22,14 +22,15 @@ import gripper as gr
 from gripper.assemble import setting
 from gripper.energy import energy, energy_gradient, energy_hessian
 from gripper.explain import explain
-from gripper.laws import section_law
+from gripper.laws import Response, section_law
 from gripper.scenefile import SceneFileError, dumps, loads, read
+from gripper.sections import sections
 from gripper.solve import AXIAL, UNLOADING
 from gripper.study.published import solve_as_published
 from gripper.study.shooting import NoReferenceError, shooting
 from gripper.verify import verify
 from gripper.verify.material import Law as ElementLaw
-from gripper_plugins.fingers import Uniform
+from gripper_plugins.fingers import Tapered, Uniform
 from gripper_plugins.objects import Circle
 from tests.scenes import REFERENCE, RUBBER, rotating_finger
 
@@ -148,6 +149,33 @@ def test_without_axial_force_the_axis_stretches_until_there_is_none(law: str, k:
     section = law_of(law)
     *_, e = section.bent(np.array([k]))
     assert section.phi(np.array([k]), e)[2][0] == pytest.approx(0, abs=1e-9)
+
+
+@pytest.mark.parametrize("slope", [-0.09, -0.03, 0.2])
+@pytest.mark.parametrize(("M", "q"), [(1.0, 0.0), (0.0, 1.0), (1.0, 3.0), (1.0, -3.0)])
+def test_a_tapered_section_stores_what_its_shear_stress_does(slope: float, M: float, q: float) -> None:
+    w0, small = 0.1, 1e-5
+    law = MATERIALS["neo_hookean"]
+    finger = Tapered(length=1.0, base_thickness=w0, tip_thickness=w0 + slope, width=1.0, material=law)
+    E, G = law.youngs_modulus, law.G
+
+    def pull(s: float, y: float) -> float:
+        """Resultant of the bending stress above y: its slope along the finger is tau (faces are free)."""
+        w = w0 + slope * s
+        return (M + q * s) * 12 / w**3 * (w**2 / 4 - y**2) / 2
+
+    def tau(y: float) -> float:
+        return (pull(small, y) - pull(-small, y)) / (2 * small)
+
+    coefficient = law.shear_coefficient  # stands for 5/6
+    stored = 12 * M**2 / (2 * E * w0**3) + quad(lambda y: tau(y) ** 2, -w0 / 2, w0 / 2)[0] / (2 * G)
+    stored += (1 / coefficient - 6 / 5) * q**2 / (2 * G * w0)
+    scales = sections(finger)
+    response, tiny = Response(scales.law, scales, np.zeros(1), 2), 1e-6
+    loads = tiny * np.array([M / scales.energy_scale, -q / scales.force_scale])  # Q = - dM/ds
+    strains = np.linalg.solve(response.stiffness(np.zeros((2, 1)))[..., 0], loads)
+    energy = response.energy(strains[:, None])[0] * scales.energy_scale
+    assert energy == pytest.approx(tiny**2 * stored, rel=1e-6)
 
 
 # ---- The energy of a finger.

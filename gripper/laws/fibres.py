@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -19,6 +20,9 @@ Answer = tuple[Array, Array, Array]
 
 class Fibre(ABC):
     """A law of uniaxial stress."""
+
+    POINTS: ClassVar[int] = 12
+    """Gauss' points over the thickness: as many as leave round-off at strains of 0.4."""
 
     @property
     @abstractmethod

@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import ClassVar
 
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
@@ -31,6 +32,7 @@ class Secant(Fibre):
 
     youngs_modulus: float
     table: Table
+    POINTS: ClassVar[int] = 32  # its modulus has kinks
 
     @functools.cached_property
     def points(self) -> Array:

@@ -32,14 +32,13 @@ if TYPE_CHECKING:
 
 Phi = tuple[Array, Array, Array, Array, Array, Array]
 """phi, its derivatives by k and e, and the second ones: kk, ke, ee."""
-_POINTS = 32
 _CONDENSING = 20  # steps of Newton's
 _BALANCED = 1e-9  # of EA: the next step, of second order, is round-off
 
 
 @functools.cache
-def _gauss() -> tuple[Array, Array]:
-    x, weights = np.polynomial.legendre.leggauss(_POINTS)
+def _gauss(points: int) -> tuple[Array, Array]:
+    x, weights = np.polynomial.legendre.leggauss(points)
     return x / 2, weights / 2
 
 
@@ -60,7 +59,7 @@ class SectionLaw:
 
     def phi(self, k: Array, e: Array) -> Phi:
         """Energy per length over EA, with its derivatives, each of the shape of k."""
-        eta, weights = _gauss()
+        eta, weights = _gauss(self.fibre.POINTS)
         thin = 1 - self.ratio * e[:, None]
         energy, stress, modulus = self.fibre.answer(e[:, None] - k[:, None] * thin * eta)
         bend, stretch = -thin * eta, 1 + self.ratio * k[:, None] * eta
