@@ -285,6 +285,17 @@ def test_moved_turned_and_swollen_points_move_turn_and_swell_their_outline(kind,
             np.testing.assert_allclose(weights @ corners, (velocities @ [1, 1j])[at], atol=1e-12, err_msg=how)
 
 
+def test_at_a_snap_derivatives_are_refused_and_so_are_those_of_a_peak_that_it_decides():
+    climbing = Circle(radius=0.2).at(x=0.95, y=Q)  # the tip's corner slides up its side until a fold at 0.645569
+    scene = gr.Scene(finger=unit_finger(), object=climbing, motion=gr.Motion("q", (-0.25, 0.2, 0.7)), theory="shear")
+    snap = next(event for event in gr.trace(scene).events if event.kind == "snap")
+    motion = gr.Motion("q", (-0.25, 0.2, snap.parameter - 5e-8, 0.7))
+    found = gr.trace(dataclasses.replace(scene, motion=motion)).sensitivity("object.radius")
+    assert [pose.kind for pose in found.poses] == ["exact", "exact", "none", "exact"]
+    assert "the finger snaps at 0.64556" in found.poses[2].reason and found.poses[2].energy is None
+    assert found.summary["force_on_object"] is None and found.summary["insertion_force"] > 0
+
+
 def test_an_object_of_objects_is_differentiated_by_its_pose_alone():
     square = Polygon(vertices=((-0.02, -0.02), (0.02, -0.02), (0.02, 0.02), (-0.02, 0.02)))
     both = Union(parts=(square, Circle(radius=0.01)))

@@ -70,13 +70,17 @@ def _tolerance(scene_file: Path, folder: Path, samples: int) -> None:
 
 def _say(bands: tuple[Band, ...], drawn: tuple[Sampled, ...], samples: int) -> None:
     """One line a number: its value, how far it may be off, and what counts most."""
+    from gripper.summary import QUANTITIES
+
     spread = {band.quantity: band for band in drawn}
     typer.echo(f"{'':24}{'value':>11}{'at worst':>11}{'likely':>11}   what counts most")
     for band in bands:
         most = sorted(zip(band.keys, band.changes, strict=True), key=lambda pair: -abs(pair[1]))[:2]
         what = ", ".join(f"{key} {change:+.2g}" for key, change in most if change)
         numbers = f"{band.value:>11.4g}{f'+-{band.worst:.2g}':>11}{f'+-{band.likely:.2g}':>11}"
-        typer.echo(f"{band.quantity.replace('_', ' '):24}{numbers}   {what}")
+        unit = QUANTITIES[band.quantity]
+        name = f"{band.quantity.replace('_', ' ')}{unit and f' ({unit})'}"
+        typer.echo(f"{name:24}{numbers}   {what}")
         if band.quantity in spread:
             of = spread[band.quantity]
             typer.echo(

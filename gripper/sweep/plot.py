@@ -63,6 +63,7 @@ def _curves(figure: Figure, axes: Axes, sweep: Sweep, quantity: str, label: str)
         figure.legend(loc="outside lower center", ncols=2)
     axes.set(xlabel=f"{key} (SI)", ylabel=label)
     axes.margins(x=0.02)
+    axes.locator_params(axis="x", nbins=4)  # more would run into one another: 0.00225
 
 
 def _map(figure: Figure, axes: Axes, sweep: Sweep, quantity: str, label: str) -> None:
