@@ -101,10 +101,6 @@ def left_out(scene: Scene, theory: BeamTheory) -> tuple[LeftOut, ...]:
     out += [LeftOut(what=what, why=f"theory is {theory}: {why}") for what in missing[theory]]
     if finger.jaw is None:
         out.append(LeftOut(what="jaw", why="the finger has none"))
-    if finger.base is None:
-        out.append(LeftOut(what="base that yields", why="none is given: the clamp is rigid"))
-    if not scene.loads:
-        out.append(LeftOut(what="loads", why="none are given"))
     return tuple(out)
 
 

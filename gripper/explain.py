@@ -121,16 +121,26 @@ def _terms(scene: Scene, result: Result, pose: PoseResult) -> list[Decision]:
     mu = "no coefficient is given" if scene.friction is None else "the coefficient is 0"
     model = scene.friction.model if scene.friction else ""
     out.append(Decision("friction", rough, f"Coulomb's, as asked ({model})" if rough else mu))
+    kinds = ", ".join(dict.fromkeys(type(load).__name__ for load in scene.loads))
+    out.append(Decision("loads", bool(scene.loads), f"as given: {kinds}" if kinds else "none are given"))
     return [*out, *_finger(placed(scene.finger).body)]
 
 
 def _finger(finger: Finger) -> list[Decision]:
-    """What the finger may have: a law of its own, and a shape at rest."""
+    """What the finger may have: a law of its own, a shape at rest, and a base that yields."""
     law, bent = finger.material.law, bool(finger.rest_curvature)
     return [
         Decision("nonlinear law", law != "linear", f"the material's law is {law}"),
         Decision("shape at rest", bent, "rest_curvature is given" if bent else "the unloaded finger is straight"),
+        Decision("base that yields", finger.base is not None, _held(finger)),
     ]
+
+
+def _held(finger: Finger) -> str:
+    """What holds the finger."""
+    if finger.base is None:
+        return "the clamp is rigid: none is given"
+    return f"one unknown more; it turns by {1 / finger.base.rotational_stiffness:.3g} rad per N m"
 
 
 def _strained(result: Result) -> str:

@@ -28,6 +28,7 @@ NOT_MODELLED = (
 )
 UNLOADING = "unloading on another curve (Mullins' effect, plastic set)"
 AXIAL = "how the axial force stiffens sections of a nonlinear material (theory stretch has it)"
+FLUTTER = "flutter: loads that follow the finger may shake it before they turn it over; statics do not tell"
 HELD = "the object holds the finger"
 """How the reason of a pose begins to which no free pose leads."""
 _FURTHEST = 20.0  # of L: beyond this no retreat is tried
@@ -41,7 +42,8 @@ def model(scene: Scene, fixed: Setting, poses: Sequence[PoseResult]) -> Model:
     law: tuple[str, ...] = () if fixed.sections.law is None else (UNLOADING,)
     if law and fixed.theory != "stretch":
         law = (*law, AXIAL)
-    notes = (plane_difference(fixed.sections.finger.material), *NOT_MODELLED, *law, *bent, *own)
+    follows: tuple[str, ...] = () if fixed.loads is None or fixed.loads.conservative else (FLUTTER,)
+    notes = (plane_difference(fixed.sections.finger.material), *NOT_MODELLED, *law, *bent, *own, *follows)
     beyond = warnings(fixed.sections, poses, scene.tolerance)
     return Model(theory=fixed.theory, left_out=left_out(scene, fixed.theory), not_modelled=notes, warnings=beyond)
 

@@ -7,6 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import sympy
+from matplotlib.patches import FancyArrowPatch
+from matplotlib.text import Text
 from scipy.integrate import solve_bvp
 
 import gripper as gr
@@ -373,3 +375,33 @@ def test_what_does_not_go_together_is_refused():
     result = gr.solve(gr.Scene(finger=UNIT, object=FAR, theory="shear", loads=(Force(force=(0, 1)),)))
     with pytest.raises(ValueError, match="loads must be left out, to be differentiated"):
         result.sensitivity("finger.thickness")
+
+
+@pytest.mark.parametrize("law", ["neo_hookean", "secant"])
+def test_a_law_of_its_own_goes_with_loads_and_a_base(law):
+    table = ((0.1, 4.6e5), (0.2, 8.6e5), (0.4, 14e5)) if law == "secant" else None
+    material = dataclasses.replace(RUBBER, law=law, table=table)
+    finger = dataclasses.replace(TAPER, material=material, base=gr.Base(rotational_stiffness=8.0))
+    acting = Force(force=(-Q, -4 * Q)), Gravity(density=1150.0, acceleration=(0.0, -9.81 * Q))
+    values = (0.0, 0.9, 0.95, 1.0, 1.05, 1.1)
+    target = Circle(radius=0.02).at(x=0.13, y=-0.055)
+    motion = gr.Motion("q", values)
+    result = gr.trace(gr.Scene(finger=finger, object=target, theory="shear", loads=acting, motion=motion))
+    *_, first, second, third, fourth, last = result.poses
+    assert {pose.status for pose in (first, last)} == {"contact"}
+    stored = [pose.energy + pose.load_energy for pose in (first, second, third, fourth, last)]
+    rate = (stored[0] - 8 * stored[1] + 8 * stored[3] - stored[4]) / (12 * 0.05)
+    assert rate == pytest.approx(third.load_energy, rel=1e-5)
+
+
+def test_a_drawing_shows_what_loads_the_finger():
+    acting = Force(force=(0, -1), s=0.6), Moment(moment=-0.5), Gravity(mass_per_length=0.01), Moment(moment=0)
+    result = gr.solve(
+        gr.Scene(finger=UNIT, object=Circle(radius=0.1).at(x=0.8, y=-1.0), theory="bending", loads=acting)
+    )
+    figure = result.plot()
+    arrows = [patch for patch in figure.axes[0].patches if isinstance(patch, FancyArrowPatch)]
+    assert len(arrows) == 3  # none for a moment of 0
+    assert "load (not to scale)" in [text.get_text() for text in figure.findobj(Text)]
+    bare = gr.solve(gr.Scene(finger=UNIT, object=FAR, theory="bending")).plot()
+    assert not [patch for patch in bare.axes[0].patches if isinstance(patch, FancyArrowPatch)]

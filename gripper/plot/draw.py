@@ -18,6 +18,8 @@ from matplotlib.patches import Patch, Polygon
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 
+from gripper.plot.load import draw_load
+from gripper.plot.load import handle as load_handle
 from gripper.plot.sketch import Array, Arrow, Box, Sketch
 from gripper.plot.style import FORCE, INK, JAW, OBJECT, STRAIN
 from gripper.plot.units import Unit, force_unit, labelled, length_unit
@@ -42,6 +44,7 @@ class Key:
     strain: Normalize
     jaw: bool
     sticks: bool
+    loads: bool
 
     @classmethod
     def of(cls, panels: Sequence[Sequence[Sketch]]) -> Key:
@@ -60,6 +63,7 @@ class Key:
             strain=Normalize(0.0, 100 * strain or 1.0),
             jaw=any(each.shape.jaw is not None for each in sketches),
             sticks=any(arrow.sticks for arrow in arrows),
+            loads=any(each.pulls for each in sketches),
         )
 
     def handles(self) -> list[Artist]:
@@ -75,6 +79,8 @@ class Key:
             ]
         if self.sticks:
             entries.append(_mark("sticks", sticks=True))
+        if self.loads:
+            entries.append(load_handle())
         if self.jaw:
             entries.append(Patch(facecolor=JAW, edgecolor=INK, linewidth=0.6, label="rigid jaw"))
         return entries
@@ -97,6 +103,7 @@ def draw(ax: Axes, drawn: Sketch, key: Key, level: int = 0) -> list[Artist]:
     done.append(ax.add_patch(Polygon(factor * drawn.shape.outline, fill=False, zorder=above + 0.2, **_INK)))
     for arrow in drawn.arrows:
         done += _draw_force(ax, arrow, key)
+    done += [draw_load(ax, pull, drawn.size, factor) for pull in drawn.pulls]
     return done
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gripper.objects import Object
+from gripper.plot.load import Pull, pulls, reach
 from gripper.pose import placed
 from gripper.result import Contact, PoseResult, Result, Shape
 
@@ -52,6 +53,8 @@ class Sketch:
         Points (k, k, 2) and g (k, k) where the object has no bounds or several outlines; else None.
     arrows
         The contacts and their forces.
+    pulls
+        What else loads the finger.
     """
 
     pose: PoseResult
@@ -60,6 +63,7 @@ class Sketch:
     whole: bool
     inside: tuple[Array, Array] | None
     arrows: list[Arrow]
+    pulls: list[Pull]
 
     @property
     def wall(self) -> Array:
@@ -95,7 +99,8 @@ def sketch(result: Result, i: int) -> Sketch:
     outline = [_moved(piece, *shape.object_pose) for piece in own]
     bounded = bool(np.isfinite(target.box).all())
     inside = None if bounded and len(own) == 1 else _inside(target, target.box if bounded else box, shape)
-    return Sketch(answer, shape, outline, bounded, inside, _arrows(answer, shape))
+    size = float(np.linalg.norm(np.diff(shape.axis, axis=0), axis=1).sum())
+    return Sketch(answer, shape, outline, bounded, inside, _arrows(answer, shape), pulls(answer.loads, size))
 
 
 def fingers(result: Result, i: int, mirror: Axis | None = None) -> list[Sketch]:
@@ -123,7 +128,8 @@ def _reflected(first: Sketch, axis: Axis, target: Object) -> Sketch:
     jaw = None if shape.jaw is None else across(shape.jaw)
     shape = replace(shape, axis=across(shape.axis), lower=across(shape.lower), upper=across(shape.upper), jaw=jaw)
     arrows = [Arrow(across(point), force @ turn, sticks) for point, force, sticks in first.arrows]
-    return replace(first, shape=shape, outline=[], inside=None, arrows=arrows)
+    other = [Pull(across(pull.point), pull.direction @ turn, -pull.turn) for pull in first.pulls]
+    return replace(first, shape=shape, outline=[], inside=None, arrows=arrows, pulls=other)
 
 
 def _check_symmetric(first: Sketch, image: Array, target: Object, axis: Axis) -> None:
@@ -181,7 +187,7 @@ def _force(contact: Contact, shape: Shape) -> Array:
 def extent(drawn: Sketch, arrow: float) -> Box:
     """Give the box that holds finger, jaw, arrows (m a N) and, unless it is far larger than the finger, the object."""
     heads = [each.point + arrow * each.force for each in drawn.arrows]
-    points = [drawn.body, *(head[np.newaxis] for head in heads)]
+    points = [drawn.body, *(head[np.newaxis] for head in heads), *(reach(pull, drawn.size) for pull in drawn.pulls)]
     outline = np.concatenate(drawn.outline) if drawn.outline else drawn.body
     if drawn.whole and float(np.ptp(outline, axis=0).max()) < _LARGE * drawn.size:
         points.append(outline)
