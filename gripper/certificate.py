@@ -116,7 +116,7 @@ def survey(setting: Setting, obstacle: Obstacle, state: State, *, brief: bool = 
                 ends.points,
                 ends.g,
                 depths,
-                _engulfed(setting, obstacle, pieces, ends.points[0]),
+                _engulfed(setting, obstacle, pieces, ends.points),
             )
             sunken = _sunken_corners(setting, obstacle, state.axis, pieces, ends.points)
         nearest = min(nearest, float(depths.min()))
@@ -309,12 +309,14 @@ def _engulfed(setting: Setting, obstacle: Obstacle, pieces: Pieces, points: Comp
     if not cmath.isfinite(inner):
         return False
     spacing = float(np.max(pieces.u1 - pieces.u0)) * 2
+    starts, stops = points
     if np.abs(points - inner).min() > spacing + max(setting.outline.room, setting.sections.thickness_bounds[0]):
         return False
-    polygons = [np.concatenate([points[pieces.piece == LOWER], points[pieces.piece == UPPER][::-1]])]
+    lower, upper = (pieces.piece == face for face in (LOWER, UPPER))
+    polygons = [np.concatenate([starts[lower], stops[lower][-1:], stops[upper][-1:], starts[upper][::-1]])]
     jaw = [i for i, piece in enumerate(setting.outline.pieces) if piece.on == "jaw"]
     if jaw:
-        polygons.append(points[np.isin(pieces.piece, jaw)])
+        polygons.append(starts[np.isin(pieces.piece, jaw)])
     return any(bool(np.sum(crossings(inner, polygon)) % 2) for polygon in polygons)
 
 

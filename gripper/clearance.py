@@ -100,16 +100,29 @@ def _past_corners(obstacle: Obstacle, points: Complex, found: Array, foot: Compl
 
 
 def _distance(setting: Setting, verified: Verified) -> float:
-    """The least distance over the sampled outline, zoomed in on where it is least."""
-    state, obstacle, survey = verified.equilibrium.state, verified.equilibrium.obstacle, verified.survey
+    """The least distance over the sampled outline, zoomed in on where it may be least on each of its pieces."""
+    obstacle, survey = verified.equilibrium.obstacle, verified.survey
     pieces, rough = survey.pieces, survey.depths[0]
-    close = np.flatnonzero(rough <= _WIDER * rough.min() + 1e-9)
+    spacing = pieces.u1 - pieces.u0
+    close = np.flatnonzero(rough <= _WIDER * rough.min() + spacing)  # a small object lies between two samples
     points = survey.points[close]
     found, feet = _distances(obstacle, points, _beside(obstacle, points))
-    nearest = int(np.argmin(found))
-    best, foot = int(close[nearest]), feet[nearest]
-    u, piece, least = float(pieces.u0[best]), int(pieces.piece[best]), float(np.min(found))
-    step, length = float(pieces.u1[best] - pieces.u0[best]), setting.outline.pieces[piece].length
+    least = float(np.min(found))
+    for piece in np.unique(pieces.piece[close]).tolist():
+        mine = np.flatnonzero(pieces.piece[close] == piece)
+        best = int(mine[np.argmin(found[mine])])
+        if found[best] - spacing[close[best]] < least:
+            place = float(pieces.u0[close[best]]), float(spacing[close[best]])
+            least = min(least, _zoomed(setting, verified, piece, place, complex(feet[best]), float(found[best])))
+    return least
+
+
+def _zoomed(
+    setting: Setting, verified: Verified, piece: int, place: tuple[float, float], foot: complex, least: float
+) -> float:
+    """The least distance on a piece about a place, known to that spacing, its foot and its distance."""
+    state, obstacle = verified.equilibrium.state, verified.equilibrium.obstacle
+    (u, step), length = place, setting.outline.pieces[piece].length
     which = np.full(_MARKS.size, piece)
     for _ in range(_ZOOMS):
         marks = (u + step * _MARKS).clip(0.0, length)

@@ -179,6 +179,22 @@ def test_an_object_within_the_finger_is_engulfed_though_the_outline_is_clear() -
     assert report.engulfed and not report.clear
 
 
+@pytest.mark.parametrize("place", [0.05, 0.3, 0.9, 0.95, 0.98])
+def test_a_small_object_is_engulfed_wherever_in_the_finger_it_is(place: float) -> None:
+    fixed = setting(gr.Scene(finger=unit_finger(0.12), object=Circle(radius=0.006)))
+    beam = fixed.beam((), 4)
+    report = survey(fixed, fixed.obstacle(Frame(complex(place, 0.0), 0.0, 0j, 0.0)), State(beam, np.zeros(beam.size)))
+    assert report.engulfed and not report.clear
+
+
+@pytest.mark.parametrize("place", [0.2, 0.93, 0.957, 0.99])
+def test_the_clearance_of_a_small_object_is_its_distance(place: float) -> None:
+    """Between two samples of the lower face, and nearer to one of the end face."""
+    for away in (0.002, 0.006, 0.03):
+        pose = gr.solve(gr.Scene(finger=unit_finger(0.12), object=Circle(radius=0.006).at(x=place, y=-0.066 - away)))
+        assert pose.poses[0].min_gap == pytest.approx(away, abs=1e-9)
+
+
 def test_an_object_within_the_jaw_is_engulfed_too() -> None:
     small = Circle(radius=0.01)
     found = setting(gr.Scene(finger=unit_finger(jaw=BLOCK), object=small))

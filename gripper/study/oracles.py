@@ -5,6 +5,7 @@ Each returns None, or an objection in words with its number.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 
@@ -38,16 +39,29 @@ def overlap(case: Case, pose: PoseResult, q: float) -> str | None:
     place = [a + q * (b - a) for a, b in zip(case.start, case.stop, strict=True)]
     target = shapely.affinity.translate(case.body.outline(), *place)
     core = target.buffer(-OVERLAP) if target.area > 4 * OVERLAP * target.length else target
+    kinks = _kinks(pose, length)
     for name in ("axis", "lower", "upper"):
         points = getattr(pose.shape, name) / length
-        inside = shapely.LineString(_smooth(points)).intersection(core).length
+        drawn = [_smooth(points[start : stop + 1]) for start, stop in itertools.pairwise(kinks) if stop - start > 1]
+        inside = sum(shapely.LineString(line).intersection(core).length for line in drawn)
         if inside > 10 * OVERLAP:
             return f"overlap: {inside:.1e} L of the {name} line lies in the object"
     return None
 
 
+def _kinks(pose: PoseResult, length: float) -> list[int]:
+    """The drawn stations at which shear gives the lines a kink, and their ends: those of the stretches in contact.
+
+    A stretch without a station inside is not drawn: it lies on the object as a whole.
+    """
+    axis = pose.shape.axis / length if pose.shape else np.zeros((1, 2))
+    s = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(axis, axis=0).T))])
+    ends = [end / length for contact in pose.contacts if contact.on in ("lower", "upper") for end in contact.extent]
+    return sorted({0, len(axis) - 1, *(int(np.argmin(np.abs(s - end))) for end in ends)})
+
+
 def _smooth(points: Array) -> Array:
-    """A fine polyline through the points of a smooth curve."""
+    """A fine polyline through the points (3 or more) of a smooth curve."""
     along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
     fine = np.union1d(np.linspace(0.0, along[-1], 1201), along)
     return np.asarray(CubicSpline(along, points)(fine))
