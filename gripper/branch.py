@@ -18,6 +18,7 @@ from gripper.snap import distance
 
 _ROUND_OFF = 1e-13
 _HALVINGS = 4  # of a way along a branch
+_ROUNDS = 8  # of Newton's method, of which three or four are needed
 _DEPARTS = 0.5  # of a step: what it may differ from its prediction
 _APART = 1e-4  # of L: shapes that differ by more are of different branches
 _SMALL = 1e-5  # of L: the step along the tangent
@@ -170,14 +171,38 @@ def released(setting: Setting, path: Path, known: Along, other: Along, feature: 
     """
     i = number(known, feature)
     branch = Branch(setting, path, replace(known, equilibrium=_pointed(setting, known.equilibrium, i, order)), order)
-    where = bracketed(lambda parameter: _pressing(setting, branch.at(parameter), i), known.parameter, other.parameter)
+    where = _let_go(branch, i, known.parameter, other.parameter)
+    if where is None:
+        where = bracketed(lambda parameter: _pressing(branch.at(parameter), i), known.parameter, other.parameter)
     there = branch.at(where)
     if not survey(setting, there.obstacle, there.state).clear:
         raise NoEquilibriumError("something else touches before")
     return joined(setting, path, Along(where, there), other, order)
 
 
-def _pressing(setting: Setting, equilibrium: Equilibrium, i: int) -> float:
+def _let_go(branch: Branch, i: int, start: float, stop: float) -> float | None:
+    """Where a contact's multiplier vanishes, by Newton's method on its rate; None where that leaves the step."""
+    at, way = start, stop - start
+    for _ in range(_ROUNDS):
+        try:
+            equilibrium = branch.at(at)
+            rate = float(equilibrium.tangent()[1][_row(equilibrium, i)])
+        except (NoEquilibriumError, np.linalg.LinAlgError):
+            return None  # the bracket is searched instead
+        step = -_pressing(equilibrium, i) / rate if rate else np.inf
+        if abs(step) <= SHARP * abs(way):
+            return at
+        at += step
+        if not 0 <= (at - start) / way <= 1:
+            return None
+    return None
+
+
+def _pressing(equilibrium: Equilibrium, i: int) -> float:
     """The multiplier of a contact: 0 where it is released, or was not yet touched."""
-    sites = equilibrium.state.sites
-    return float(equilibrium.state.multipliers[sum(site.multipliers for site in sites[:i])])
+    return float(equilibrium.state.multipliers[_row(equilibrium, i)])
+
+
+def _row(equilibrium: Equilibrium, i: int) -> int:
+    """The number of a contact's first multiplier."""
+    return sum(site.multipliers for site in equilibrium.state.sites[:i])
