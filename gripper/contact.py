@@ -96,11 +96,9 @@ def _stations(
         before, after = _segments(beam, site, kinks)
         left += [before] * len(places)
         right += [after] * len(places)
-    stations = outline.stations(axis, piece, u, np.array(left))
     if left == right:
-        return stations
-    other = outline.stations(axis, piece, u, np.array(right))
-    return stations.mean(other)
+        return outline.stations(axis, piece, u, np.array(left))
+    return outline.stations(axis, np.tile(piece, 2), np.tile(u, 2), np.array(left + right)).folded()
 
 
 def _segments(beam: Beam, site: Site, kinks: bool) -> tuple[int, int]:

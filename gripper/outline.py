@@ -62,9 +62,11 @@ class Stations:
     offsets: Complex  # P exp(i psi), (k,)
     psi: Array  # (k, n)
 
-    def mean(self, other: Stations) -> Stations:
-        """The mean of two readings of the same places."""
-        return Stations(*((getattr(self, f) + getattr(other, f)) / 2 for f in self.__dataclass_fields__))
+    def folded(self) -> Stations:
+        """The mean of two readings of the same places, one after the other."""
+        k = len(self.points) // 2
+        values = (getattr(self, name) for name in self.__dataclass_fields__)
+        return Stations(*((value[:k] + value[k:]) / 2 for value in values))
 
 
 class Outline:
