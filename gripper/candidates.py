@@ -12,7 +12,7 @@ from gripper.certificate import DEPTH, Survey, survey
 from gripper.equilibrium import Setting, State
 from gripper.obstacle import Obstacle
 from gripper.outline import LOWER, UPPER
-from gripper.patches import DECAYED, FLUSH, PATCH, decay_length, flat_until, pressure_modes, spread
+from gripper.patches import DECAYED, FLUSH, PATCH, decay_length, flat_until, lies_flat, pressure_modes, spread
 from gripper.site import NARROW, Site
 from gripper.verified import NOTHING
 
@@ -109,11 +109,14 @@ def _flush(
             continue
         rest = [c for c in contacts if c is not chosen]
         tail = replace(site, kind="tail", place=(site.place[0] - decay / 2, stop))
-        tail = replace(tail, modes=pressure_modes(setting, tail))
-        out.append(_as_set([*rest, (tail, force)]))
+        flat = lies_flat(setting, problem.obstacle, problem.state(x), tail)
+        tail = replace(tail, modes=pressure_modes(setting, tail, flat=flat))
         corner = setting.outline.tip_corner(site.piece)
-        if stop == 1 and corner is not None and all(c[0].piece != corner for c in rest):
-            out.append(_as_set([*rest, (tail, force / 2), (Site("corner", corner, ()), force / 2)]))
+        to_tip = flat_until(setting, problem.obstacle, problem.state(x), site, 1.0) == 1
+        if to_tip and corner is not None and all(c[0].piece != corner for c in rest):
+            share = force * float(np.exp(-(1 - tail.place[0]) / decay))
+            out.append(_as_set([*rest, (tail, force - share), (Site("corner", corner, ()), share)]))
+        out.append(_as_set([*rest, (tail, force)]))
     return out
 
 

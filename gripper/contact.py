@@ -89,8 +89,10 @@ def _stations(
     left: list[int] = []
     right: list[int] = []
     for site, places in zip(sites, queries, strict=True):
-        if site.modes in CUTS:
+        if site.modes in CUTS or site.lifts_off:
             inner = beam.segment_of(places - 1e-12).tolist()
+            if site.lifts_off:  # its place tells by the face before it
+                inner[-1] = _beside(beam, site.place[0])[0]
             left, right = left + inner, right + inner
             continue
         before, after = _segments(beam, site, kinks)
@@ -103,8 +105,16 @@ def _stations(
 
 def _segments(beam: Beam, site: Site, kinks: bool) -> tuple[int, int]:
     """The segments whose polynomials describe the outline before and after a contact."""
-    middle, own = site.middle, own_segment(beam, site)
-    if not site.on_face or not kinks or site.kind in ("patch", "tail") or beam.segments == 1:
+    if not site.on_face or not kinks or site.kind in ("patch", "tail"):
+        own = own_segment(beam, site)
         return own, own
-    nearest = min(range(1, beam.segments), key=lambda i: abs(beam.breaks[i] - middle))
-    return (nearest - 1, nearest) if abs(beam.breaks[nearest] - middle) < _AT_BREAK else (own, own)
+    return _beside(beam, site.middle)
+
+
+def _beside(beam: Beam, s: float) -> tuple[int, int]:
+    """The segments before and after a place: the same one away from breaks."""
+    nearest = min(range(beam.segments), key=lambda i: abs(beam.breaks[i] - s))
+    if nearest and abs(beam.breaks[nearest] - s) < _AT_BREAK:
+        return nearest - 1, nearest
+    own = int(beam.segment_of(np.array([s]))[0])
+    return own, own

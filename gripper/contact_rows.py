@@ -59,9 +59,9 @@ class Linearisation:
 
 
 @functools.cache
-def _shifts(count: int) -> Array:
-    """How far Gauss points on a patch move with its two ends, (2, count)."""
-    x = np.polynomial.legendre.leggauss(count)[0]
+def _shifts(modes: int, order: int) -> Array:
+    """How far Gauss points on a patch move with its two ends, (2, q)."""
+    x = pressure_rule(modes, order)[0]
     return np.array([(1 - x) / 2, (1 + x) / 2])
 
 
@@ -132,10 +132,15 @@ class System:
         self.force_multipliers[row] = self.normal[i]
         if site.kind == "tangent":
             self.force_places[column] = force * self.bent[i]
-            self.value_slopes[row, column] = self.residuals[column] = self.slope[i]
-            self.residual_gradients[column], self.residual_slopes[column, column] = self.sliding[i], self.bending[i]
+            self.value_slopes[row, column] = self.slope[i]
             self.load_slopes[:, column] = force * self.sliding[i]
-            self.residual_rates[column] = dot(self.normal_rate[i], self.stations.tangents[i])
+            self._touch_smoothly(i, column)
+
+    def _touch_smoothly(self, i: int, column: int) -> None:
+        """Equation of a place: there dg/du = 0."""
+        self.residuals[column], self.residual_gradients[column] = self.slope[i], self.sliding[i]
+        self.residual_slopes[column, column] = self.bending[i]
+        self.residual_rates[column] = dot(self.normal_rate[i], self.stations.tangents[i])
 
     def add_patch(self, site: Site, span: slice, row: int, column: int, load: Array) -> None:
         """Pressure over [a, b]: the gap's moments vanish, and the gap at the free ends."""
@@ -147,11 +152,14 @@ class System:
         self.value_rates[rows] = mean @ self.gap_rate[gauss]
         self._load(gauss, forces)
         self.force_multipliers[rows] = mean @ self.normal[gauss]
-        shifts = _shifts(x.size)[: site.unknown_places]  # how far each point moves with each end
+        shifts = _shifts(site.modes, self.order)[: site.unknown_places]  # how far each point moves with each end
         moved = shifts * forces
         self.value_slopes[rows, columns] = mean @ (shifts * self.slope[gauss]).T
         self.load_slopes[:, columns] = (moved @ self.sliding[gauss]).T
         self.force_places[columns] = moved @ self.bent[gauss]
+        if site.lifts_off:
+            self._touch_smoothly(free.start, column)
+            return
         self.residuals[columns], self.residual_gradients[columns] = self.gap[free], self.pressing[free]
         self.residual_slopes[columns, columns] = np.diag(self.slope[free])
         self.residual_rates[columns] = self.gap_rate[free]

@@ -36,7 +36,7 @@ from gripper.objects import Object
 from gripper.obstacle import Frame, Obstacle
 from gripper.outline import Outline
 from gripper.sections import Sections
-from gripper.site import Site
+from gripper.site import WIDE, Site
 
 if TYPE_CHECKING:
     from gripper.law import Law
@@ -44,6 +44,8 @@ if TYPE_CHECKING:
 _ITERATIONS = 20
 _CONVERGED = 1e-6  # last step, relative: the next one, of second order, would be round-off
 _ROUND_OFF = 1e-9  # relative: what must then be left of the forces
+_FLUSH_ORDER = 5  # of strains that tell a pressure of many modes from the force of the corner that it ends in
+_FITS = 1e-3  # last step, relative: below it the fields fit the places
 _NARROWEST = 1e-8  # of L: breaks nearer than this are one
 _SMALL = 1e-6  # of L
 _EXACT = 1e-7  # of the shortest segment: breaks this near are the same
@@ -266,16 +268,20 @@ def _split(step: Array, lin: Linearisation) -> Step:
     return step[:n], step[n : n + m], step[n + m :]
 
 
-def kkt_step(state: State, lin: Linearisation) -> Step:
-    """Newton's step in z, multipliers and places.
+def kkt_step(state: State, lin: Linearisation, *, held: bool = False) -> Step:
+    """Newton's step in z, multipliers and places; in z and multipliers alone with the places held.
 
     Raises
     ------
     NoEquilibriumError
         Where the system is singular.
     """
-    stationarity = state.energy_gradient - lin.load(state.multipliers)
-    step = solved(_matrix(state, lin), -np.concatenate([stationarity, lin.values, lin.residuals]))
+    matrix = _matrix(state, lin)
+    left = np.concatenate([state.energy_gradient - lin.load(state.multipliers), lin.values, lin.residuals])
+    if held:
+        first = len(left) - len(lin.residuals)
+        matrix[first:], left[first:] = np.eye(len(left))[first:], 0.0
+    step = solved(matrix, -left)
     if step is None:
         raise NoEquilibriumError("the KKT system is singular (parallel constraints)")
     return _split(step, lin)
@@ -389,11 +395,16 @@ def settle(setting: Setting, obstacle: Obstacle, state: State, order: int) -> Eq
     """
     if not state.sites:
         return unloaded(setting, obstacle, order, state if state.z.any() else None)
+    if any(site.kind in ("patch", "tail") and site.place[0] >= site.place[1] for site in state.sites):
+        raise NoEquilibriumError("a patch has shrunk to nothing")
+    if any(site.lifts_off and site.modes == WIDE for site in state.sites):
+        order = max(order, _FLUSH_ORDER)
     return _newton(setting, obstacle, state, order)
 
 
 def _newton(setting: Setting, obstacle: Obstacle, state: State, order: int) -> Equilibrium:
-    last, way = np.inf, 0.0
+    last, way, held = np.inf, 0.0, False
+    flush = any(site.lifts_off for site in state.sites)
     for iteration in range(_ITERATIONS):
         if iteration == 0 and not _fitted(setting, state, order):
             state = state.on(setting.beam(state.sites, order))
@@ -401,12 +412,14 @@ def _newton(setting: Setting, obstacle: Obstacle, state: State, order: int) -> E
         state = anchored(state, lin) if iteration == 0 else state
         if last < _CONVERGED and (last < _ROUND_OFF or _unbalanced(state, lin) < _ROUND_OFF):
             return Equilibrium(state, obstacle, lin, iteration, way)
-        dz, dmultipliers, dplaces = kkt_step(state, lin)
+        # flush on a flat: how the place of lift-off answers to steps shows only once the fields fit that place
+        held = flush and not held and last > _FITS
+        dz, dmultipliers, dplaces = kkt_step(state, lin, held=held)
         factor = _shortening(state, dplaces)
         state = advanced(setting, state, (factor * dz, factor * dmultipliers, factor * dplaces))
         length, size = factor * _size(dz), _size(state.z)
         way += length
-        last = max(length / (size + _NO_STRAIN), _largest(dplaces))
+        last = max(length / (size + _NO_STRAIN), float(held), _largest(dplaces))
         if not math.isfinite(last) or size > _WILD or _largest(state.multipliers) > _WILD**2:
             raise NoEquilibriumError("Newton's iteration diverged")
     raise NoEquilibriumError(f"Newton's iteration did not converge in {_ITERATIONS} steps")

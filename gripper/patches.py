@@ -22,7 +22,11 @@ _WIDTHS = (
     (5.0, 6),
     (np.inf, WIDE),
 )  # modes of a patch by its width over sqrt(EI / GA)
+_FLAT_WIDTHS = ((0.3, NARROW + 1), (np.inf, WIDE))  # the same on a flat, where it falls to nothing at the far end
+_STRAIGHT = 1e-9  # curvature times L
 DECAYED = 6.0  # of sqrt(EI / GA): as far as a pressure that decays is followed
+_LOOSE = 1.4  # by as much more or less a tail may reach before it is cut anew
+_LOOKS = 3  # each 32 times as close
 _TURNED = 1e-3  # rad: a flat that turns by more has ended
 
 
@@ -45,17 +49,37 @@ def fit_patches(setting: Setting, equilibrium: Equilibrium) -> tuple[Site, ...]:
         elif site.kind == "patch" and site.place[1] - site.place[0] < PATCH / 2:
             site = replace(site, kind="tangent", place=(site.middle,), modes=1)
         elif site.kind in ("patch", "tail"):
-            modes = pressure_modes(setting, site)
-            if modes > site.modes or pressure_modes(setting, site, slack=1.4) < site.modes:  # down later than up
+            flat = site.kind == "tail" and lies_flat(setting, equilibrium.obstacle, equilibrium.state, site)
+            site = _reaching(setting, equilibrium, site) if flat else site
+            modes, fewer = (pressure_modes(setting, site, flat=flat, slack=slack) for slack in (1.0, _LOOSE))
+            if modes > site.modes or fewer < site.modes:  # down later than up
                 site = replace(site, modes=modes)
         sites.append(site)
     return tuple(sites)
 
 
-def pressure_modes(setting: Setting, site: Site, slack: float = 1.0) -> int:
+def _reaching(setting: Setting, equilibrium: Equilibrium, site: Site) -> Site:
+    """A tail whose far end is where its pressure has decayed, or where its flat ends."""
+    reach = DECAYED * decay_length(setting, site.place[0])
+    width = site.place[1] - site.place[0]
+    if reach / _LOOSE <= width <= reach * _LOOSE:
+        return site
+    stop = flat_until(setting, equilibrium.obstacle, equilibrium.state, site, reach)
+    longer = stop - site.place[0] > width * _LOOSE
+    return replace(site, place=(site.place[0], stop)) if longer or width > reach else site
+
+
+def pressure_modes(setting: Setting, site: Site, *, flat: bool = False, slack: float = 1.0) -> int:
     """How many pressure modes a patch needs: the pressure varies over sqrt(EI / GA)."""
     width = (site.place[1] - site.place[0]) / decay_length(setting, site.middle) * slack
-    return next(modes for limit, modes in _WIDTHS if width < limit)
+    return next(modes for limit, modes in (_FLAT_WIDTHS if flat else _WIDTHS) if width < limit)
+
+
+def lies_flat(setting: Setting, obstacle: Obstacle, state: State, site: Site) -> bool:
+    """Whether the object has no curvature where a contact begins."""
+    place, piece = np.array(site.place[:1]), np.array([site.piece])
+    points, *_ = setting.outline.trace(state.axis, piece, place, state.beam.segment_of(place))
+    return float(np.abs(obstacle.curvature(points)[2]).max()) < _STRAIGHT
 
 
 def decay_length(setting: Setting, s: float) -> float:
@@ -83,12 +107,16 @@ def _patch(setting: Setting, equilibrium: Equilibrium, site: Site, force: float,
 
 def flat_until(setting: Setting, obstacle: Obstacle, state: State, site: Site, reach: float) -> float:
     """How far along its face a contact's flat goes on, within reach."""
-    u = np.linspace(site.place[0], min(site.place[0] + reach, 1.0), 33)
-    piece = np.full(u.size, site.piece)
-    points, *_ = setting.outline.trace(state.axis, piece, u, state.beam.segment_of(u))
-    _, normal = obstacle.slope(points)
-    turned = np.abs(normal / np.abs(normal) - normal[0] / abs(normal[0])) > _TURNED
-    return float(u[np.argmax(turned) - 1]) if turned.any() else float(u[-1])
+    start, stop = site.place[0], min(site.place[0] + reach, 1.0)
+    for _ in range(_LOOKS):
+        u = np.linspace(start, stop, 33)
+        points, *_ = setting.outline.trace(state.axis, np.full(u.size, site.piece), u, state.beam.segment_of(u))
+        _, normal = obstacle.slope(points)
+        turned = np.abs(normal / np.abs(normal) - normal[0] / abs(normal[0])) > _TURNED
+        if not turned.any():
+            return stop
+        start, stop = float(u[np.argmax(turned) - 1]), float(u[np.argmax(turned)])
+    return start
 
 
 def with_sites(state: State, sites: tuple[Site, ...]) -> State:
@@ -99,7 +127,7 @@ def with_sites(state: State, sites: tuple[Site, ...]) -> State:
         mine = state.multipliers[first : first + old.multipliers]
         first += old.multipliers
         kept = mine.tolist()[: new.multipliers] + [0.0] * (new.multipliers - old.multipliers)
-        multipliers += kept if new.kind == old.kind else spread(float(mine[0]), new)
+        multipliers += kept if (new.kind, new.place) == (old.kind, old.place) else spread(float(mine[0]), new)
     return replace(state, sites=sites, multipliers=np.array(multipliers))
 
 
@@ -129,7 +157,7 @@ def settle_contacts(setting: Setting, obstacle: Obstacle, state: State, order: i
             raise
         found = settle(setting, obstacle, state, order)
     sites = fit_patches(setting, found)
-    if [(s.kind, s.modes) for s in sites] == [(s.kind, s.modes) for s in found.state.sites]:
+    if sites == found.state.sites:
         return found
     try:
         again = settle(setting, obstacle, with_sites(found.state, sites), order)

@@ -12,10 +12,12 @@ from gripper.contact_rows import Linearisation
 from gripper.equilibrium import Equilibrium, Setting
 from gripper.features import conform
 from gripper.kinematics import Placement
-from gripper.outline import Part
+from gripper.outline import Part, dot
+from gripper.patches import flat_until, lies_flat
 from gripper.result import Contact
 from gripper.site import Site
 
+_CORNER = 0.01  # of L: a corner of the object this near behind a flat is its end
 _STATES = {"open": "slip", "slip": "slip", "stick": "stick"}
 
 
@@ -27,15 +29,19 @@ def vector(value: complex) -> tuple[float, float]:
 def contacts(setting: Setting, equilibrium: Equilibrium, placement: Placement) -> tuple[Contact, ...]:
     """One entry a separate contact, ordered by s; a patch that ends in the tip's corner is one with it."""
     lin, sites = equilibrium.linear, equilibrium.state.sites
-    tails = {setting.outline.tip_corner(site.piece) for site in sites if site.kind == "tail"}
+    extents = [_extent(setting, equilibrium, site) for site in sites]
+    ended = [site.kind == "tail" and extent[-1] == 1 for site, extent in zip(sites, extents, strict=True)]
+    tips = [
+        setting.outline.tip_corner(site.piece) if end else site.piece for site, end in zip(sites, ended, strict=True)
+    ]
+    tails = {tip for tip, end in zip(tips, ended, strict=True) if end}
     groups: dict[object, list[int]] = {}
     last = -1
     for i in sorted(range(len(sites)), key=lambda i: (sites[i].piece, sites[i].place)):
-        site = sites[i]
-        corner = setting.outline.tip_corner(site.piece) if site.kind == "tail" else site.piece
-        if corner in tails:
-            groups.setdefault(("tail", corner), []).append(i)
-        elif last >= 0 and conform(sites[last], site):
+        tip = sites[i].piece if tips[i] is None else tips[i]
+        if tip in tails:
+            groups.setdefault(("tail", tip), []).append(i)
+        elif last >= 0 and _one_stretch(sites[last], extents[last][-1], sites[i]):
             next(members for members in groups.values() if last in members).append(i)
         else:
             groups[i] = [i]
@@ -45,12 +51,12 @@ def contacts(setting: Setting, equilibrium: Equilibrium, placement: Placement) -
     for members in groups.values():
         points = np.concatenate([lin.points[i] for i in members])
         forces = np.concatenate([lin.forces[i] / _incline(lin, i) for i in members])  # normal forces
-        weights = np.abs(forces)
         total = complex(forces.sum())
         if abs(total) <= NO_FORCE:
             continue
+        weights = dot(forces, total)  # a ripple where a pressure has decayed counts with its sign
         on, places = _places(setting, [sites[i] for i in members], [lin.stations[i] for i in members])
-        extent = [s for i in members for s in _extent(setting, sites[i])]
+        extent = [s for i in members for s in setting.outline.place(sites[i].piece, extents[i])[1]]
         rubbing = complex(sum(lin.forces[i].sum() for i in members)) - total
         out.append(
             Contact(
@@ -85,5 +91,16 @@ def _places(setting: Setting, sites: list[Site], stations: list[Array]) -> tuple
     return places[0][0], np.concatenate([s for _, s in places])
 
 
-def _extent(setting: Setting, site: Site) -> Array:
-    return setting.outline.place(site.piece, np.array(site.place or (0.0,)))[1]
+def _extent(setting: Setting, equilibrium: Equilibrium, site: Site) -> Array:
+    """From first to last touching place (by L); a face that lies flush touches as far as the flat goes."""
+    ends = np.array(site.place or (0.0,))
+    if site.kind == "tail" and lies_flat(setting, equilibrium.obstacle, equilibrium.state, site):
+        ends[1] = max(ends[1], flat_until(setting, equilibrium.obstacle, equilibrium.state, site, 1.0))
+    return ends
+
+
+def _one_stretch(one: Site, end: float, other: Site) -> bool:
+    """Whether neighbouring contacts are one: a stretch that conforms, a flat with its object's corner."""
+    if one.kind == "tail" and other.kind == "vertex" and one.piece == other.piece:
+        return other.place[0] - end < _CORNER
+    return conform(one, other)

@@ -68,6 +68,11 @@ class Site:
         return self.unknown_places + (self.grip is not None and self.grip.unknown)
 
     @property
+    def lifts_off(self) -> bool:
+        """Whether its place is where the slope of the face before it vanishes, not the gap (which does all along)."""
+        return self.kind == "tail" and self.modes > NARROW
+
+    @property
     def on_face(self) -> bool:
         """Whether it lies on a flexible face."""
         return self.piece <= UPPER
@@ -103,9 +108,12 @@ class Site:
 def pressure_rule(modes: int, order: int) -> tuple[Array, Array]:
     """Gauss points (q,) of a patch on [-1, 1], and the pressure modes' mean values over it (modes, q).
 
-    More points than the strains have modes: these would resolve the single points else.
+    More points than the strains have modes, on each of its segments: these would resolve the single points else.
     """
-    x, weights = np.polynomial.legendre.leggauss(max(modes + 4, order + 3))
+    ends = 2 * np.array([0.0, *CUTS.get(modes, ()), 1.0]) - 1
+    x, weights = np.polynomial.legendre.leggauss(max(modes + 4 if modes not in CUTS else 0, order + 3))
+    halves = np.diff(ends)[:, None] / 2
+    x, weights = (ends[:-1, None] + halves * (x + 1)).ravel(), (halves * weights).ravel()
     return x, legendre(x, modes).T * weights / 2
 
 

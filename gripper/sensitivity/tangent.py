@@ -72,7 +72,8 @@ def _contact(t: Touching, change: Change, moved: Flow) -> tuple[Array, Array]:
             inner = slice(at, at + mean.shape[1])
             values[:, span.row : span.row + site.modes] = moved.gaps[:, inner] @ mean.T
             ends = slice(span.column, span.column + site.unknown_places)
-            places[:, ends] = moved.gaps[:, inner.stop : span.queries.stop]
+            told = slopes if site.lifts_off else moved.gaps
+            places[:, ends] = told[:, inner.stop : span.queries.stop]
         elif site.kind == "vertex":
             away, unit = moved.points[:, at] - change.vertices[:, at], t.tangents[at] / abs(t.tangents[at])
             values[:, span.row], places[:, span.column] = dot(t.press[at], away), dot(unit, away)

@@ -119,6 +119,8 @@ class Touching:
             if site.kind in _SPREAD:
                 places = np.clip(self.u[at], site.place[0] + 1e-12, site.place[1] - 1e-12)
                 left[at] = right[at] = np.clip(np.searchsorted(breaks, places) - 1, 0, last)
+                if site.lifts_off:  # its place tells by the face before it
+                    left[at.stop - 1] = right[at.stop - 1] = max(left[at.start] - 1, 0)
                 continue
             nearest = int(np.argmin(np.abs(breaks - site.place[0])))
             left[at], right[at] = max(nearest - 1, 0), min(nearest, last)
