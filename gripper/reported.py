@@ -12,7 +12,7 @@ from gripper.contact_rows import Linearisation
 from gripper.equilibrium import Equilibrium, Setting
 from gripper.features import conform
 from gripper.kinematics import Placement
-from gripper.outline import Part, dot
+from gripper.outline import Part
 from gripper.patches import flat_until, lies_flat
 from gripper.result import Contact
 from gripper.site import Site
@@ -54,7 +54,7 @@ def contacts(setting: Setting, equilibrium: Equilibrium, placement: Placement) -
         total = complex(forces.sum())
         if abs(total) <= NO_FORCE:
             continue
-        weights = dot(forces, total)  # a ripple where a pressure has decayed counts with its sign
+        weights = (forces.conj() * total).real  # a ripple where a pressure has decayed counts with its sign
         on, places = _places(setting, [sites[i] for i in members], [lin.stations[i] for i in members])
         extent = [s for i in members for s in setting.outline.place(sites[i].piece, extents[i])[1]]
         rubbing = complex(sum(lin.forces[i].sum() for i in members)) - total
