@@ -38,12 +38,22 @@ class _Printer(StrPrinter):  # type: ignore[misc]  # sympy is untyped
 def _value(value: Any) -> Any:
     """Write a field as JSON and TOML can hold it: numbers as they are, expressions as text, tuples as lists."""
     if isinstance(value, sympy.Expr):
-        return float(value) if value.is_number else _Printer().doprint(value)
+        return float(value) if value.is_number else _Printer().doprint(_floated(value))
     if isinstance(value, Object) or (isinstance(value, Placed) and isinstance(value.body, Object)):
         return _object(placed(value))
     if isinstance(value, Base):
         return _fields(value)
     return [_value(item) for item in value] if isinstance(value, (list, tuple)) else value
+
+
+def _floated(expression: sympy.Expr) -> sympy.Expr:
+    """An expression with the whole numbers that sympy has counted (x + x is 2*x) as the floats that a reader makes."""
+    if expression.is_Integer and expression not in (-1, 0, 1):
+        return sympy.Float(expression)
+    if not expression.args or expression.is_Relational:
+        return expression
+    parts = [_floated(part) for part in expression.args]
+    return expression.func(*parts[:1], *expression.args[1:]) if expression.is_Pow else expression.func(*parts)
 
 
 def _fields(instance: Any, *but: str) -> dict[str, Any]:
