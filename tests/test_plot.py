@@ -376,10 +376,18 @@ def test_compared_motions_have_one_unit() -> None:
         plot.compare({})
 
 
+def in_the_clamp_s_frame(given: Result) -> Result:
+    poses = tuple(replace(pose, force_on_object_finger_frame=pose.force_on_object) for pose in given.poses)
+    return replace(given, poses=poses)
+
+
 @pytest.mark.parametrize("width", [plot.COLUMN, plot.PAGE])
 def test_comparisons_and_charts_are_legible_at_their_width(width: float) -> None:
-    two = {"soft": motion([0.1, 0.2]), "stiff": motion([0.1, 0.9])}
-    assert_legible(plot.compare(two, title=LONG, width=width), width)
+    bends = ([0.1, 0.2], [0.1, 0.9], [0.3, 0.3])
+    several = dict(zip(("soft", "stiff", "as stiff as a line without thickness"), map(motion, bends), strict=True))
+    several = {name: in_the_clamp_s_frame(each) for name, each in several.items()}
+    for quantity in ("force_on_object", "force_on_object_finger_frame", "energy"):
+        assert_legible(plot.compare(several, quantity, title=LONG, width=width), width)
     numbers = {"measured": ([0, 1, 2], [1e3, 2e3, 5e3]), "said": ([0, 1, 2], [1e3, 2e3, 4e3])}
     figure = plot.chart(numbers, "way (mm)", "force (N)", levels={"limit": 4.5e3}, title="A chart", width=width)
     assert_legible(figure, width)

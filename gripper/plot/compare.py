@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Mapping, Sequence
 from itertools import cycle, pairwise
 from typing import Any
@@ -23,6 +24,10 @@ _LOOKS: tuple[dict[str, Any], ...] = (
     {"color": FOURTH, "linestyle": "-."},
 )
 """Lines that differ in a print without colours too."""
+_LABEL = 36
+"""Letters in a line of a label that stands beside a panel."""
+_LEAST = 2.5
+"""Width, in inches, that a panel needs beside another; narrower ones stand under each other."""
 
 
 def compare(
@@ -79,7 +84,7 @@ def compare(
             for begin, end in sticks(next(iter(results.values()))):
                 ax.axvspan(along * begin, along * end, color="0.8", linewidth=0, label="sticks")
             ax.set_xlabel(scales.x, parse_math=False)
-            ax.set_ylabel(label, parse_math=False)
+            ax.set_ylabel(textwrap.fill(label, _LABEL), parse_math=False)
         return _finished(figure, axes, title, width)
 
 
@@ -145,6 +150,7 @@ def _finished(figure: Figure, axes: Sequence[Axes], title: str, width: float) ->
     entries, names = axes[-1].get_legend_handles_labels()
     if len(entries) > 1:
         axes[-1].legend(entries, names)
+    beside = width / INCH > _LEAST * len(axes)
     inches = max(0.35 * width / INCH, 2.0)
-    arrange(figure, [Row(axes, inches=inches)], title)
+    arrange(figure, [Row(row, inches=inches) for row in ([axes] if beside else [[ax] for ax in axes])], title)
     return figure
