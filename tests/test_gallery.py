@@ -26,20 +26,19 @@ from gripper_plugins.fingers import Uniform
 from gripper_plugins.objects import Ellipse
 
 ROOT = Path(__file__).parents[1]
+OTHERS = (
+    "cost",
+    "error_against_time",
+    "force_curves",
+    "friction_models",
+    "material_laws",
+    "robustness",
+    "optimal_hook",
+    "constant_force",
+)
 SCRIPTS = [
-    p
-    for p in sorted((ROOT / "gallery").glob("*.py"))
-    if p.stem
-    not in (
-        "cost",
-        "error_against_time",
-        "force_curves",
-        "robustness",
-        "optimal_hook",
-        "constant_force",
-        "material_laws",
-    )
-]  # these have tests of their own, or are searches
+    p for p in sorted((ROOT / "gallery").glob("*.py")) if p.stem not in OTHERS
+]  # the others have tests of their own, or are searches
 BEAM = json.loads((ROOT / "tests/reference/beam.json").read_text())
 EXACT = json.loads((ROOT / "tests/reference/exact.json").read_text())
 FEM = json.loads((ROOT / "tests/reference/fem.json").read_text())
