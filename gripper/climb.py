@@ -6,6 +6,8 @@ change, each on the branch of its own end.
 
 from __future__ import annotations
 
+import itertools
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
@@ -95,17 +97,24 @@ class Climber:
     _further: dict[int, tuple[Along, Equilibrium, float]] = field(default_factory=dict)
     _changes: dict[tuple[int, float, float], tuple[Along, Along | None]] = field(default_factory=dict)
 
-    def highest(self, name: str, measure: Measure, flank: Flank) -> Summit:
-        """The highest point of a flank."""
+    def highest(self, name: str, measure: Measure, flank: Flank, known: float = -math.inf) -> Summit:
+        """The highest point of a flank; where it cannot be higher than what is known, of its ends.
+
+        Between two samples a hill rises above both by a quarter of their difference, if it is a parabola.
+        """
         top, foot = flank.top.at, flank.foot.at
-        found = [Summit(flank.top.values[name], top)]
+        values = {id(top): flank.top.values[name], id(foot): flank.foot.values[name]}
         pairs = [(top, foot)] if not flank.changed else []
         if flank.changed:
             near, far = self._changed(top, flank.changed[0]), self._changed(foot, flank.changed[-1])
             pairs = ([(top, near)] if near else []) + ([(far, foot)] if far else [])
-            found.append(Summit(flank.foot.values[name], foot))
-            found += [Summit(measure.value(at.equilibrium, flank.top.heading), at) for at in (near, far) if at]
+            values |= {id(at): measure.value(at.equilibrium, flank.top.heading) for at in (near, far) if at}
+        ends = (top, *itertools.chain(*pairs)) if flank.changed else (top,)
+        found = [Summit(values[id(at)], at) for at in ends]
         for low, high in pairs:
+            one, other = values[id(low)], values[id(high)]
+            if max(one, other) + abs(one - other) < known:
+                continue
             try:
                 found.append(self._climb(measure, low, high, flank.top.heading))
             except NoEquilibriumError:

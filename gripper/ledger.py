@@ -83,7 +83,7 @@ class Ledger:
     def _side(self, at: float, near: Along, known: Pace, heading: float, order: int) -> Pace:
         """The pace on one side of a change, on the branch of the step's end there.
 
-        It is drawn from a little aside of the change, where no segment of the finger is all but gone.
+        On a face it is drawn from a little aside of the change, where no segment of the finger is all but gone.
         """
         if not near.equilibrium.state.sites:
             return REST
@@ -94,6 +94,8 @@ class Ledger:
         try:
             near = replace(near, equilibrium=pointed(self.setting, near.equilibrium, order))
             branch = Branch(self.setting, self.path, near, order)
+            if not any(site.on_face for site in near.equilibrium.state.sites):
+                return pace(self.setting, self.path, Along(at, branch.at(at)), heading)
             found = {parts: branch.at(at + parts * part) for parts in BESIDE[::-1]}
             return drawn([found[parts] for parts in BESIDE], part, heading)
         except NoEquilibriumError:

@@ -8,6 +8,7 @@ sharp there shows at no step's end.
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -114,8 +115,11 @@ class Watch:
         climbed = [flank for height, flanks in hills if height >= _NEARLY * hills[0][0] for flank in flanks]
         climbed = [flank for flank in climbed if not flank.changed]
         climbed += [step.up for step in self._broken if measure.leg in (None, step.leg)]
-        summits = [self._climber.highest(name, measure, flank) for flank in climbed]
-        return max(summits, key=lambda summit: summit.value, default=None)
+        best: Summit | None = None
+        for flank in climbed:
+            found = self._climber.highest(name, measure, flank, best.value if best else -math.inf)
+            best = found if best is None or found.value > best.value else best
+        return best
 
     # work
 
