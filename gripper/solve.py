@@ -10,6 +10,7 @@ from gripper.answer import Answer, pose_result
 from gripper.assemble import first_order, left_out, setting
 from gripper.certificate import survey
 from gripper.equilibrium import NoEquilibriumError, Setting, reckoned, unloaded
+from gripper.extremes import Extreme
 from gripper.kinematics import Kinematics, Placement, Retreat
 from gripper.ladder import rungs, suffices, theory_difference
 from gripper.locked import LockedError
@@ -17,7 +18,7 @@ from gripper.obstacle import Frame
 from gripper.result import Model, PoseResult, Result
 from gripper.scene import Scene
 from gripper.tracker import tracker_for
-from gripper.validity import plane_difference, warnings
+from gripper.validity import plane_difference, unknown_between, warnings
 from gripper.verified import Verified, stability, untouched
 
 NOT_MODELLED = (
@@ -35,8 +36,16 @@ _FURTHEST = 20.0  # of L: beyond this no retreat is tried
 PUBLISHED = "equilibrium with friction: the paper's approximation, its frictionless shape with forces split afterwards"
 
 
-def model(scene: Scene, fixed: Setting, poses: Sequence[PoseResult]) -> Model:
-    """What is solved for this scene, what is not, and where these poses leave what the theory holds."""
+def model(scene: Scene, fixed: Setting, poses: Sequence[PoseResult], peak: Extreme | None = None) -> Model:
+    """What is solved for this scene, what is not, and where these poses leave what the theory holds.
+
+    Parameters
+    ----------
+    scene, fixed, poses
+        What was solved.
+    peak
+        The largest strain along the motion, also between the poses.
+    """
     own = (PUBLISHED,) if scene.friction and scene.friction.published else ()
     bent = () if fixed.sections.rest is None else ("curvature of the section at rest",)
     law: tuple[str, ...] = () if fixed.sections.law is None else (UNLOADING,)
@@ -44,7 +53,7 @@ def model(scene: Scene, fixed: Setting, poses: Sequence[PoseResult]) -> Model:
         law = (*law, AXIAL)
     follows: tuple[str, ...] = () if fixed.loads is None or fixed.loads.conservative else (FLUTTER,)
     notes = (plane_difference(fixed.sections.finger.material), *NOT_MODELLED, *law, *bent, *own, *follows)
-    beyond = warnings(fixed.sections, poses, scene.tolerance)
+    beyond = (*warnings(fixed.sections, poses, scene.tolerance), *unknown_between(fixed.sections, peak))
     return Model(theory=fixed.theory, left_out=left_out(scene, fixed.theory), not_modelled=notes, warnings=beyond)
 
 

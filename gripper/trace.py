@@ -124,14 +124,15 @@ class _Follower:
     def result(self, poses: list[PoseResult]) -> Result:
         """The motion so far, with these poses."""
         loop, peaks = self.tracker.loop() if self.tracker else (None, [])
+        extremes = self.extremes(poses, loop, peaks)
         return Result(
             title=self.scene.title,
             scene=self.scene,
-            model=model(self.scene, self.fixed, poses),
+            model=model(self.scene, self.fixed, poses, extremes.strain),
             poses=tuple(poses),
             events=tuple(self.events),
             loop=loop,
-            extremes=self.extremes(poses, loop, peaks),
+            extremes=extremes,
         )
 
     def pose(self, value: float) -> PoseResult:

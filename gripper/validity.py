@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from gripper.arrays import Array
+from gripper.extremes import Extreme
 from gripper.fingers import Material
 from gripper.result import PoseResult
 from gripper.sections import Sections
@@ -50,6 +51,18 @@ def warnings(sections: Sections, poses: Sequence[PoseResult], tolerance: float) 
     if crossing is not None:
         found.append(f"the finger crosses itself{_where(crossing)}: contact of the finger with itself is not modelled")
     return tuple(found)
+
+
+def unknown_between(sections: Sections, peak: Extreme | None) -> tuple[str, ...]:
+    """Say where strains leave what the material's law knows, also between the poses: peaks there mean nothing."""
+    if sections.law is None or peak is None:
+        return ()
+    least, most = sections.law.fibre.span
+    if peak.value <= min(-least, most):
+        return ()
+    where = "" if peak.parameter is None else f" at {peak.parameter:.6g}"
+    known = f"the material's law is known from {least:.3g} to {most:.3g}"
+    return (f"strains reach {peak.value:.3g}{where} along the motion: {known}, and peaks there mean nothing",)
 
 
 def _where(pose: PoseResult) -> str:

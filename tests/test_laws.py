@@ -327,6 +327,17 @@ def test_a_strain_beyond_the_table_fails_and_says_so() -> None:
     assert poses[3].max_strain < 0.039
 
 
+def test_strains_beyond_the_table_between_two_poses_are_told() -> None:
+    material = replace(RUBBER, law="secant", table=((0.02, 9e4), (0.05, 21e4), (0.09, 35e4)))
+    scene = rotating_finger(0.08, 0.02, -0.1016)
+    finger = replace(scene.finger, body=replace(scene.finger.body, material=material))
+    result = gr.trace(replace(scene, finger=finger))
+    assert [pose.status for pose in result.poses] == ["free", "contact", "contact"]
+    assert result.summary().strain > 0.09
+    (warning,) = result.model.warnings
+    assert warning.startswith("strains reach 0.10") and "known from -0.09 to 0.09" in warning
+
+
 # ---- What is refused.
 
 
