@@ -22,6 +22,7 @@ _ARRIVED = (
 )
 _MARKS = np.linspace(-1.0, 1.0, 9)
 _ZOOMS = 7
+_COARSER = 4.0  # the same as the marks' spacing: of an object that is small and near against it
 _FINER = 16.0  # a parabola's vertex is that much nearer than the samples
 _SETTLED = 1e-10  # of L
 _SMOOTH = 0.01  # of the marks' spacing: two neighbours together rise by less where the distance has no corner
@@ -123,7 +124,7 @@ def _zoomed(
     """The least distance on a piece about a place, known to that spacing, its foot and its distance."""
     state, obstacle = verified.equilibrium.state, verified.equilibrium.obstacle
     (u, step), length = place, setting.outline.pieces[piece].length
-    which = np.full(_MARKS.size, piece)
+    which, size = np.full(_MARKS.size, piece), setting.body.inner_radius / setting.sections.length
     for _ in range(_ZOOMS):
         marks = (u + step * _MARKS).clip(0.0, length)
         segment = state.beam.segment_of(marks) if piece <= UPPER else np.full(marks.size, state.beam.segments - 1)
@@ -135,5 +136,5 @@ def _zoomed(
         beside = found[max(i - 1, 0) : i + 2]
         if least - lowest < _SETTLED and np.ptp(beside) < _SMOOTH * step:
             break
-        step /= _FINER
+        step /= _FINER if step < 2 * (least + size) else _COARSER
     return least
