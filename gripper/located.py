@@ -184,6 +184,16 @@ class Course:
         return Kept(self.fixed, found) if found else None
 
     def _strain(self) -> Extreme:
+        """Of contact, located between the poses; loads strain a free finger, too: this is looked at in the poses."""
+        touching = self._touching_strain()
+        if self.fixed.loads is None:
+            return touching
+        most = max(self.poses, key=lambda pose: pose.max_strain or 0.0)
+        if most.max_strain is None or most.max_strain <= touching.value:
+            return touching
+        return Extreme(value=most.max_strain, parameter=most.parameter, s=most.max_strain_s, kept=most.kept)
+
+    def _touching_strain(self) -> Extreme:
         summit = self.watch.highest("strain", self.order)
         if summit is None or not summit.at.equilibrium.state.sites:
             return Extreme(value=0.0)

@@ -17,6 +17,7 @@ from gripper.assemble import setting
 from gripper.axis import Axis
 from gripper.obstacle import Stage
 from gripper.scenefile import dumps, loads
+from gripper.verify import verify
 from gripper_plugins.fingers import Tapered, Uniform
 from gripper_plugins.loads import FollowingForce, Force, Gravity, Moment, Tendon
 from gripper_plugins.objects import Circle
@@ -372,9 +373,6 @@ def test_what_does_not_go_together_is_refused():
         alone(Force(force=(0, Q)))
     with pytest.raises(ValueError, match=r"loads must be instances of gripper\.loads\.Load; got 3"):
         gr.Scene(finger=UNIT, object=FAR, loads=(3,))
-    result = gr.solve(gr.Scene(finger=UNIT, object=FAR, theory="shear", loads=(Force(force=(0, 1)),)))
-    with pytest.raises(ValueError, match="loads must be left out, to be differentiated"):
-        result.sensitivity("finger.thickness")
 
 
 @pytest.mark.parametrize("law", ["neo_hookean", "secant"])
@@ -405,3 +403,21 @@ def test_a_drawing_shows_what_loads_the_finger():
     assert "load (not to scale)" in [text.get_text() for text in figure.findobj(Text)]
     bare = gr.solve(gr.Scene(finger=UNIT, object=FAR, theory="bending")).plot()
     assert not [patch for patch in bare.axes[0].patches if isinstance(patch, FancyArrowPatch)]
+
+
+def test_the_summary_knows_the_strain_of_a_finger_that_nothing_touches():
+    motion = gr.Motion("q", (0.0, 1.0, 0.5))
+    moved = gr.trace(gr.Scene(finger=UNIT, object=FAR, theory="bending", loads=(Moment(moment=Q),), motion=motion))
+    assert moved.summary().strain == pytest.approx(W / 2, rel=1e-9)
+    still = gr.solve(gr.Scene(finger=UNIT, object=FAR, theory="bending", loads=(Moment(moment=1.0),)))
+    assert still.summary().strain == pytest.approx(W / 2, rel=1e-9)
+
+
+def test_what_does_not_know_loads_or_a_base_refuses_them():
+    soft = dataclasses.replace(UNIT, base=gr.Base(rotational_stiffness=3.0))
+    for words, finger, acting in (("loads", UNIT, (Force(force=(0, 1)),)), ("base", soft, ())):
+        scene = gr.Scene(finger=finger, object=FAR, theory="shear", loads=acting)
+        with pytest.raises(ValueError, match=f"{words} must be left out to be verified"):
+            verify(scene)
+        with pytest.raises(ValueError, match=f"{words} must be left out, to be differentiated"):
+            gr.solve(scene).sensitivity("finger.thickness")
