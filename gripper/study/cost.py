@@ -99,13 +99,13 @@ def shifted(scene: Scene, distance: float) -> Scene:
 _START_UP = """
 import time
 begun = time.process_time()
-import gripper
+from gripper import solve
 imported = time.process_time()
 import pickle, sys
 scene = pickle.load(sys.stdin.buffer)
 times = [time.process_time()]
 for _ in range(2):
-    gripper.solve(scene)
+    solve(scene)
     times.append(time.process_time())
 print(imported, times[1] - times[0] - (times[2] - times[1]))
 """

@@ -60,14 +60,17 @@ def _series(ax: Any, works: list[Work], study: WorkPrecision, quantity: str, col
             for i, (work, t) in enumerate(known):
                 ax.plot([x[i], study.told(work.worst)[quantity]], [t, t], color=colour, linewidth=0.9, alpha=0.5)
                 if i in (0, len(known) - 1):
-                    _label(ax, work.point.split(" = ")[1], (x[i], t), colour, coarsest=i == 0)
+                    _label(ax, work.point, (x[i], t), colour, coarsest=i == 0)
     for work in (w for w in works if w.failures or w.warm_failure):
         ax.plot([_MOST], [1e3 * (work.cold or work.warm or 1e-3)], "x", color=colour, clip_on=False)
 
 
-def _label(ax: Any, text: str, place: tuple[float, float], colour: str, *, coarsest: bool) -> None:
-    """Name a method's ends: the coarsest beside its point, for others' are above and below it, the finest above."""
-    look: dict[str, Any] = {"xytext": (4, 0), "va": "center"} if coarsest else {"xytext": (0, 3), "ha": "center"}
+def _label(ax: Any, point: str, place: tuple[float, float], colour: str, *, coarsest: bool) -> None:
+    """Name a method's ends: the finest above its point; the coarsest below it, or of N elements beside it."""
+    symbol, text = point.split(" = ")
+    look: dict[str, Any] = {"xytext": (0, -4 if coarsest else 3), "ha": "center", "va": "top" if coarsest else "bottom"}
+    if coarsest and symbol == "N":  # other methods' points are above and below it
+        look = {"xytext": (4, 0), "va": "center"}
     ax.annotate(text, place, textcoords="offset points", fontsize=6, color=colour, **look)
 
 
