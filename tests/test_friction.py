@@ -432,3 +432,19 @@ def test_friction_makes_balance_checks_of_the_whole_force():
         checks = solved.result.checks
         assert checks.stability is None
         assert max(checks.force_balance, checks.moment_balance) < 1e-3
+
+
+# what it costs
+
+
+def test_a_pose_that_slips_costs_at_most_three_times_one_without_friction():
+    def costs(friction):
+        gr.trace(micro_assembly(0.08, 0.07, friction=friction))  # compiles what is compiled once
+        seconds = [gr.trace(micro_assembly(*INSERTED, *INSERTED[-2::-1], friction=friction)).poses for _ in range(2)]
+        best = [min(one.seconds, other.seconds) for one, other in zip(*seconds, strict=True)]
+        slipping = [cost for cost, pose in zip(best, seconds[0], strict=True) if pose.status == "contact"]
+        return np.median(slipping), sum(best)
+
+    (slipping, loop), (smooth, there_and_back) = costs(ROUGH), costs(None)
+    assert slipping < 3 * smooth
+    assert loop < 3 * there_and_back
