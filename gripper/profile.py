@@ -126,5 +126,10 @@ def largest_strain(setting: Setting, equilibrium: Equilibrium) -> tuple[float, f
         strain = np.abs(moment) / seen.stiffness[seen.strain] * seen.half[seen.strain]
         if stretches:
             strain += np.abs(along) / setting.sections.EA(s)
-    place, value = vertex(s, strain, int(np.argmax(strain)))
+    i = int(np.argmax(strain))
+    place, value = vertex(s, strain, i)
+    for j in np.flatnonzero(s == s[i]).tolist():  # where segments end: beside it, perhaps
+        inner = j + {0: 1, _ALONG.size - 1: -1}.get(j % _ALONG.size, 0)
+        near = vertex(s, strain, inner, beyond=True) if inner != j else (place, value)
+        place, value = near if abs(near[0] - s[inner]) < abs(s[j] - s[inner]) else (place, value)
     return value, place
