@@ -1,6 +1,5 @@
 """The public names and where they are: for type checkers, for editors, and for ``__init__.py``, which reads this."""
 
-from gripper.assemble import Problem as Problem
 from gripper.assemble import assemble as assemble
 from gripper.bands import Band as Band
 from gripper.bands import linear_bands as linear_bands
@@ -46,6 +45,7 @@ from gripper.optimize import Optimum as Optimum
 from gripper.optimize import optimize as optimize
 from gripper.pose import Placed as Placed
 from gripper.pose import Pose as Pose
+from gripper.problem import Problem as Problem
 from gripper.result import Contact as Contact
 from gripper.result import Event as Event
 from gripper.result import PoseResult as PoseResult

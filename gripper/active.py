@@ -7,13 +7,14 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import minimize
 
-from gripper.assemble import Problem, near
 from gripper.candidates import active_sets, violated
 from gripper.certificate import Survey, survey
 from gripper.contact import linearise
 from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, anchored, settle
+from gripper.nearby import near
 from gripper.obstacle import Obstacle
 from gripper.patches import settle_contacts
+from gripper.problem import Problem
 from gripper.verified import PULL, Verified, verify
 
 _ROUNDS = 5

@@ -7,12 +7,13 @@ from dataclasses import replace
 import numpy as np
 
 from gripper.arrays import Array
-from gripper.assemble import Candidate, Problem, vertex_heights
 from gripper.certificate import DEPTH, Survey, survey
 from gripper.equilibrium import Setting, State
+from gripper.nearby import vertex_heights
 from gripper.obstacle import Obstacle
 from gripper.outline import LOWER, UPPER
 from gripper.patches import DECAYED, FLUSH, PATCH, decay_length, flat_until, lies_flat, pressure_modes, spread
+from gripper.problem import Candidate, Problem
 from gripper.site import NARROW, Site
 from gripper.verified import NOTHING
 

@@ -7,11 +7,11 @@ from typing import Literal
 
 import numpy as np
 
-from gripper.assemble import least_gaps
 from gripper.branch import Along, Branch, Path, bracketed, joined, pointed, released
 from gripper.certificate import survey
 from gripper.equilibrium import NoEquilibriumError, Setting, State, unloaded
 from gripper.features import feature_name, gone_and_come
+from gripper.nearby import least_gaps
 from gripper.obstacle import Obstacle
 from gripper.site import Site
 from gripper.turning import adjacent, changed

@@ -10,7 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from gripper.assemble import Problem, assemble, first_order
+from gripper.assemble import assemble, first_order
 from gripper.beam import BeamTheory
 from gripper.contact_forces import NO_FORCE
 from gripper.equilibrium import Equilibrium, Setting
@@ -18,6 +18,7 @@ from gripper.fingers import Finger
 from gripper.ladder import RUNGS, richer, theory_difference
 from gripper.outline import Outline
 from gripper.pose import placed
+from gripper.problem import Problem
 from gripper.result import PoseResult, Result
 from gripper.scene import Motion, Scene
 from gripper.solve import solve

@@ -7,10 +7,11 @@ from scipy.optimize import minimize
 
 from gripper.active import find
 from gripper.arrays import Array, Complex
-from gripper.assemble import Problem, near
 from gripper.certificate import survey
 from gripper.equilibrium import NoEquilibriumError, Setting, State
+from gripper.nearby import near
 from gripper.obstacle import Obstacle
+from gripper.problem import Problem
 from gripper.verified import Verified
 
 _STEPS = 150

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from gripper.assemble import vertex_height
 from gripper.branch import SHARP, Along, Branch, Path, bracketed, joined, number, released
 from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting
 from gripper.features import Feature
+from gripper.nearby import vertex_height
 from gripper.site import Site
 from gripper.snap import distance
 

@@ -6,11 +6,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gripper.assemble import least_gaps
 from gripper.beam import legendre
 from gripper.certificate import Survey, survey
 from gripper.contact import linearise
 from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, firmness
+from gripper.nearby import least_gaps
 from gripper.site import NARROW
 
 _RIPPLE = 3e-2  # of the largest pressure: what a polynomial may leave where the pressure has decayed

@@ -11,12 +11,14 @@ import sympy
 from scipy.optimize import OptimizeResult, minimize
 
 from gripper.arrays import Array
-from gripper.assemble import Problem, assemble, first_order, near, setting
+from gripper.assemble import assemble, first_order, setting
 from gripper.certificate import survey
 from gripper.contact import linearise
 from gripper.equilibrium import NoEquilibriumError, Setting, State
 from gripper.kinematics import Kinematics
+from gripper.nearby import near
 from gripper.pose import placed
+from gripper.problem import Problem
 from gripper.scene import Motion, Scene
 from gripper.solve import approach, solve
 from gripper.study.cost import shifted
