@@ -66,9 +66,16 @@ def check_simple(name: str, polygon: Any) -> None:
     if polygon.area <= FLAT * max(xmax - xmin, ymax - ymin) ** 2:
         raise ValueError(f"{name} must enclose an area, in m^2; got {polygon.area}")
     if not polygon.exterior.is_simple:
-        from shapely.validation import explain_validity
+        raise ValueError(f"{name} must not make an outline that meets itself; got {meeting(polygon)}")
 
-        raise ValueError(f"{name} must not make an outline that meets itself; got {explain_validity(polygon)}, in m")
+
+def meeting(polygon: Any) -> str:
+    """Say where a shapely polygon meets itself."""
+    from shapely.validation import explain_validity
+
+    _, _, place = explain_validity(polygon).partition("[")  # its words, then [x y] where it knows the place
+    x, _, y = place.rstrip("]").partition(" ")
+    return f"one that does at ({float(x):.6g}, {float(y):.6g}), in m" if place else "one that does"
 
 
 def closed_polygon(name: str, points: tuple[tuple[float, float], ...]) -> Array:

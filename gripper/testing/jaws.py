@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from gripper.fingers import Jaw
+from gripper.objects.closed import meeting
 from gripper.testing.contract import Property, fits, has_the_manners_of_data, require, run, survives_a_scene_file
 
 THICKNESSES = (0.0005, 0.002, 0.02)
@@ -30,12 +31,11 @@ def has_a_polygon_of_finite_points(jaw: Jaw) -> None:
 def has_a_simple_polygon(jaw: Jaw) -> None:
     """It does not meet itself, and encloses an area."""
     import shapely
-    from shapely.validation import explain_validity
 
     for thickness in THICKNESSES:
         polygon = shapely.Polygon(jaw.polygon(thickness))
         rule = f"write a polygon that does not meet itself for a tip of {thickness} m"
-        require(polygon.is_valid, rule, explain_validity(polygon))
+        require(polygon.is_valid, rule, meeting(polygon))
         require(polygon.area > 0, f"enclose an area, in m^2, for a tip of {thickness} m", polygon.area)
 
 
