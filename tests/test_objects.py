@@ -1,3 +1,5 @@
+import time
+
 import numpy as np
 import pytest
 import shapely
@@ -381,3 +383,18 @@ def test_a_surface_that_is_not_quadratic_must_say_where_its_outline_is():
 def test_a_tolerance_must_be_positive(surface):
     with pytest.raises(ValueError, match="tolerance must be a positive number"):
         surface.outline(tolerance=0)
+
+
+def test_an_expression_of_thousands_of_terms_is_sampled_and_not_bounded_for_minutes():
+    x, y = sympy.symbols("x y", real=True)
+    nested = {}
+    for depth in (4, 31):
+        nested[depth] = x
+        for _ in range(depth):
+            nested[depth] = sympy.Abs(x - y * nested[depth])
+    few, many = (Implicit(expression=e + x**2 + y**2 - 1e-4, extent=0.05) for e in nested.values())
+    center, radius = np.array([[0.005, 0.0]]), np.array([1e-3])
+    assert few.bounds(center, radius) is not None
+    began = time.process_time()
+    assert many.bounds(center, radius) is None
+    assert time.process_time() - began < 3

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
+from itertools import islice
 
 import numpy as np
 import sympy
@@ -14,6 +15,7 @@ from gripper.objects.contour import CELLS, Inside, contour, inside
 from gripper.objects.enclosure import ROUNDING, enclosed_bounds, enclosed_largest
 from gripper.objects.quadric import Quadric
 
+MOST_TERMS = 3000  # of a gradient whose derivatives are bounded
 HAIR = np.array([1e-9, 0.618e-9])  # m: where a formula is 0/0, as at a cone's tip, it is read this far beside
 
 
@@ -51,6 +53,12 @@ class LevelSet:
     def hessian(self) -> tuple[sympy.Expr, sympy.Expr, sympy.Expr]:
         """Its entries xx, xy, yy, with the delta functions of kinks: for bounds."""
         return second_derivatives(self.gradient)
+
+    @cached_property
+    def too_large(self) -> bool:
+        """Whether bounds would take longer than they are worth: a Hessian has up to 40 times the gradient's terms."""
+        terms = (term for slope in self.gradient for term in sympy.preorder_traversal(slope))
+        return next(islice(terms, MOST_TERMS, None), None) is not None
 
     @cached_property
     def derivatives(self) -> Derivatives:
@@ -145,13 +153,15 @@ class LevelSet:
             return steepest * (1 + ROUNDING), np.full(len(centers), least)
         if not self.continuous:
             return None
+        if self.too_large:
+            return None
         return enclosed_bounds(self.g, self.gradient, self.hessian, centers, radii)
 
     def largest_curvature(self, centers: Array, radii: Array) -> Array:
         """Bound the Hessian from above over discs, as `gripper.objects.Object.largest_curvature`."""
         if self.quadric is not None:
             return np.full(len(centers), np.linalg.eigvalsh(self.quadric.hessian)[1])
-        if not self.continuous:
+        if not self.continuous or self.too_large:
             return np.full(len(centers), np.inf)
         return enclosed_largest(self.g, self.hessian, centers, radii)
 
