@@ -37,6 +37,10 @@ class Balance:
         lost = max(integral(*loss, way), 0.0)
         return Balance(self.work + work, self.loss + lost, self.put_in + put_in, self.given_back + given_back)
 
+    def imbalance(self, before: Balance, stored: float) -> float:
+        """What is missing: work since an earlier balance, less what was lost, less what is stored more."""
+        return (self.work - before.work) - (self.loss - before.loss) - stored
+
 
 def integral(start: Array, stop: Array, way: float) -> float:
     """The integral over a step of what is known at both ends with its rates: the corrected trapezoidal rule."""

@@ -20,7 +20,7 @@ from gripper.events import Change, touched_at
 from gripper.features import Feature, features, gone_and_come, named
 from gripper.holding import changing, decided, excess
 from gripper.holds import coefficient, grip_of, leaders, overdue, ratio_rate, regripped, slip_rates, tangent
-from gripper.ledger import Ledger
+from gripper.ledger import BALANCED, Ledger
 from gripper.locking import check_locked
 from gripper.loop import Loop
 from gripper.others import other_solutions
@@ -32,7 +32,6 @@ from gripper.work import booked, dips
 _NUDGE = 1e-7  # of L: how far beyond the first touch the first hold is decided
 _FINE = 1e-2  # of L: shorter steps are not cut for their balance
 _CHANGING = 0.01  # of L: the longest step in which a patch comes or goes, or that ends free of the object
-_BALANCED = 5e-5  # of the energies of a step
 _BEYOND = 1.5  # of the way to where a contact starts to slip, by the tangent
 _LEAST = 1e-4  # of a step
 _SHORTEST = 1e-6  # of L: shorter steps are not cut for a hold
@@ -131,7 +130,7 @@ class FrictionTracker(Tracker):
         stop = self.ledger.pace(Along(following, new), self.heading)
         step = booked(Balance(), start, stop, way)
         stored = new.stored - old.stored
-        if abs(step.work - step.loss - stored) > _BALANCED * (abs(stored) + step.loss):
+        if abs(step.imbalance(Balance(), stored)) > BALANCED * (abs(stored) + step.loss):
             return True
         return dips(start, stop, way)
 
@@ -187,9 +186,11 @@ class FrictionTracker(Tracker):
         self._snaps += 1
         if self._snaps > _MOST:
             raise NoEquilibriumError(f"the finger snaps again and again: {error}") from error
+        before = Along(self.parameter, equilibrium)
         super()._snap(following, error)
         if self.sites:
             self.current = self._decided(self.current)
+        self.ledger.fall(before, Along(self.parameter, self.current.equilibrium), self.heading)
 
     def advance(self, target: float) -> Answer:
         """Follow the path to a value of its parameter.

@@ -12,6 +12,8 @@ from gripper.equilibrium import NoEquilibriumError, Setting
 from gripper.peaks import Peak
 from gripper.work import BESIDE, REST, Pace, booked, drawn, pace
 
+BALANCED = 5e-5
+"""What may be missing of the energies of a step."""
 _ASIDE = 2e-4  # of L
 _KEPT = 3  # paces: of a step's ends, and of one that was too long
 
@@ -68,8 +70,38 @@ class Ledger:
             last = self._side(broken[-1], after, stop, heading, order)
             parts = [(before.parameter, start, broken[0], first), (broken[-1], last, after.parameter, stop)]
         for begin, one, end, other in parts:
-            self.balance = booked(self.balance, one, other, end - begin)
+            following = booked(self.balance, one, other, end - begin)
+            if not broken:
+                following = self._checked(following, before, after, (one, other))
+            self.balance = following
             self._note(Peak.of(begin, one, end, other, before if begin == before.parameter else after))
+
+    def _checked(self, following: Balance, before: Along, after: Along, paces: tuple[Pace, Pace]) -> Balance:
+        """The balance after a step; without the paces' rates where these are off.
+
+        Where a contact is about to leave its edge, the rates are of what comes behind it.
+        """
+        stored = after.equilibrium.stored - before.equilibrium.stored
+        off = abs(following.imbalance(self.balance, stored))
+        if off <= BALANCED * (abs(stored) + following.loss - self.balance.loss):
+            return following
+        start, stop = (one.steady for one in paces)
+        plain = booked(self.balance, start, stop, after.parameter - before.parameter)
+        return plain if abs(plain.imbalance(self.balance, stored)) < off else following
+
+    def fall(self, before: Along, after: Along, heading: float) -> None:
+        """Take in a snap: the finger falls at once, then goes with its object; what it has lost by then is lost.
+
+        Raises
+        ------
+        NoEquilibriumError
+            At a limit point.
+        """
+        stop, way = self.pace(after, heading), after.parameter - before.parameter
+        with_object = booked(Balance(), stop.carried(-way), stop, way)
+        spilt = before.equilibrium.stored - (after.equilibrium.stored - with_object.work + with_object.loss)
+        following = booked(self.balance, stop.carried(-way), stop, way)
+        self.balance = replace(following, loss=following.loss + max(spilt, 0.0))
 
     def _note(self, peak: Peak) -> None:
         """Keep the largest force of each leg of the motion."""

@@ -46,6 +46,12 @@ class Pace:
         ahead = np.array([[1.0, way], [0.0, 1.0]])
         return Pace(ahead @ self.power, ahead @ self.loss, self.margins)
 
+    @property
+    def steady(self) -> Pace:
+        """The pace as if it did not change."""
+        level = np.array([1.0, 0.0])
+        return Pace(self.power * level, self.loss * level, self.margins)
+
 
 REST = Pace(np.zeros(2), np.zeros(2), np.zeros((0, 2)))
 """The pace of a finger that nothing touches."""

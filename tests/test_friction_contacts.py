@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 import sympy
 
 import gripper as gr
+from gripper_plugins.fingers.uniform import Uniform
 from gripper_plugins.jaws.polygon import PolygonJaw
+from gripper_plugins.jaws.triangle import Triangle
 from gripper_plugins.objects.circle import Circle
+from gripper_plugins.objects.polygon import Polygon
 from gripper_plugins.objects.union import Union
 from tests.rubbing import balance, check_coulomb, off
 from tests.scenes import Q, unit_finger
@@ -87,6 +91,24 @@ def test_the_published_friction_refuses_two_contacts():
 
 
 # contacts that roll
+
+
+@pytest.mark.parametrize(
+    ("thickness", "length", "lead", "back", "depth"),
+    [(0.0053, 0.0156, 42.5, 41.5, 0.0002), (0.0051, 0.0134, 20.2, 87.9, 0.0025)],
+)
+def test_what_snaps_lose_is_booked(thickness, length, lead, back, depth):
+    """A block over a hook: off its lead face onto its top, and off its top, the finger falls."""
+    jaw = Triangle(length=length, lead_angle=np.radians(lead), return_angle=np.radians(back))
+    material = gr.Material(youngs_modulus=2.6e9, poisson_ratio=0.35)
+    hook = Uniform(length=0.057, thickness=thickness, width=0.0095, material=material, jaw=jaw)
+    block = Polygon(vertices=((0, 0), (0.015, 0), (0.015, -0.015), (0, -0.015))).at(x=Q, y=-thickness / 2 - depth)
+    motion = gr.Motion("q", tuple(np.linspace(0.077, 0.041, 19).tolist()))
+    result = gr.trace(gr.Scene(finger=hook, object=block, motion=motion, friction=gr.Friction(coefficient=0.3)))
+    assert [event.kind for event in result.events].count("snap") == 2 and not result.failed
+    assert balance(result.poses).max() < 1e-3
+    last = result.poses[-1]
+    assert last.status == "free" and last.dissipation == pytest.approx(last.work, rel=1e-3)
 
 
 def test_a_wheel_that_rolls_along_the_finger_loses_next_to_nothing():

@@ -112,15 +112,6 @@ def test_the_second_derivative_in_the_unknowns_is_exact(outline: Outline, seed: 
     assert hessian @ direction == pytest.approx(change, abs=1e-7)
 
 
-def test_the_mean_of_two_readings_is_half_their_sum() -> None:
-    beam, z, *_ = somewhere(OUTLINES["tapered"], 1)
-    axis, piece, u = Axis.of(beam, z), np.array([LOWER, UPPER]), np.array([0.6, 0.6])
-    left, right = (OUTLINES["tapered"].stations(axis, piece, u, np.full(2, segment)) for segment in (0, 1))
-    mean = left.mean(right)
-    assert mean.tangents == pytest.approx((left.tangents + right.tangents) / 2)
-    assert mean.gradients == pytest.approx((left.gradients + right.gradients) / 2)
-
-
 @pytest.mark.parametrize(
     ("name", "pieces", "corners"),
     [
