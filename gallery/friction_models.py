@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import gripper as gr
 from gripper import scenefile
-from gripper.kinematics import Kinematics
+from gripper.contact.kinematics import Kinematics
 from gripper.study.tresca import Tresca
 
 SCENE = Path(__file__).with_name("rotating_finger.toml")

@@ -36,7 +36,6 @@ from gripper.limits import Verdict as Verdict
 from gripper.limits import judged as judged
 from gripper.loads import Load as Load
 from gripper.loads import PotentialLoad as PotentialLoad
-from gripper.loop import Loop as Loop
 from gripper.materials import material as material
 from gripper.objects import FeatureSurface as FeatureSurface
 from gripper.objects import ImplicitSurface as ImplicitSurface
@@ -45,15 +44,16 @@ from gripper.optimize import Optimum as Optimum
 from gripper.optimize import optimize as optimize
 from gripper.pose import Placed as Placed
 from gripper.pose import Pose as Pose
-from gripper.problem import Problem as Problem
 from gripper.result import Contact as Contact
 from gripper.result import Event as Event
 from gripper.result import PoseResult as PoseResult
 from gripper.result import Result as Result
+from gripper.results.loop import Loop as Loop
+from gripper.results.summary import Summary as Summary
 from gripper.scene import Motion as Motion
 from gripper.scene import Scene as Scene
 from gripper.solve import solve as solve
-from gripper.summary import Summary as Summary
+from gripper.statics.problem import Problem as Problem
 from gripper.sweep import Sweep as Sweep
 from gripper.sweep import sweep as sweep
 from gripper.tolerances import Tolerances as Tolerances

@@ -7,23 +7,23 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gripper.beam import BeamTheory
-from gripper.certificate import Survey, survey
-from gripper.compiled_loads import compiled_loads
-from gripper.equilibrium import Setting, State
-from gripper.kinematics import Kinematics
-from gripper.nearby import near
-from gripper.obstacle import Obstacle
-from gripper.outline import LOWER, UPPER, Outline
+from gripper.beam.sections import sections
+from gripper.beam.strains import BeamTheory
+from gripper.contact.kinematics import Kinematics
+from gripper.contact.obstacle import Obstacle
+from gripper.contact.outline import LOWER, UPPER, Outline
+from gripper.contact.site import Site
 from gripper.pose import placed
-from gripper.problem import Problem
 from gripper.result import LeftOut
 from gripper.scene import Scene
-from gripper.sections import sections
-from gripper.site import Site
+from gripper.statics.certificate import Survey, survey
+from gripper.statics.compiled_loads import compiled_loads
+from gripper.statics.equilibrium import Setting, State
+from gripper.statics.nearby import near
+from gripper.statics.problem import Problem
 
 if TYPE_CHECKING:
-    from gripper.law import Law
+    from gripper.contact.law import Law
 
 _ARCS = np.concatenate([[0.0], np.geomspace(0.02, 3.0, 24)])
 _ORDERS = ((1e-2, 2), (1e-3, 3), (1e-4, 4), (1e-6, 5), (1e-8, 7), (0.0, 9))
@@ -53,7 +53,7 @@ def _law(scene: Scene, outline: Outline, length: float) -> Law | None:
     friction = scene.friction
     if friction is None or friction.absent or friction.published:
         return None
-    from gripper.law import Law
+    from gripper.contact.law import Law
 
     return Law.of(friction, outline, length)
 

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gripper.parameters import number
-from gripper.pose_result import Record
+from gripper.results.pose_result import Record
+from gripper.results.summary import QUANTITIES, Summary
 from gripper.scene import Scene
-from gripper.summary import QUANTITIES, Summary
 from gripper.sweep.pool import processes
 from gripper.sweep.variant import solved
 from gripper.tolerances import Tolerances

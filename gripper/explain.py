@@ -11,17 +11,17 @@ from itertools import pairwise
 import numpy as np
 
 from gripper.assemble import assemble, first_order
-from gripper.beam import BeamTheory
-from gripper.contact_forces import NO_FORCE
-from gripper.equilibrium import Equilibrium, Setting
+from gripper.beam.strains import BeamTheory
+from gripper.contact.outline import Outline
 from gripper.fingers import Finger
-from gripper.ladder import RUNGS, richer, theory_difference
-from gripper.outline import Outline
 from gripper.pose import placed
-from gripper.problem import Problem
 from gripper.result import PoseResult, Result
 from gripper.scene import Motion, Scene
 from gripper.solve import solve
+from gripper.statics.contact_forces import NO_FORCE
+from gripper.statics.equilibrium import Equilibrium, Setting
+from gripper.statics.ladder import RUNGS, richer, theory_difference
+from gripper.statics.problem import Problem
 from gripper.trace import trace
 
 _ADDS = {"bending": "curvature kappa", "shear": "shear strain gamma", "stretch": "stretch of the axis eps"}

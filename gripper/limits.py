@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 from gripper.fields import Finite, check_fields
 from gripper.names import known_names
-from gripper.summary import QUANTITIES, Summary
+from gripper.results.summary import QUANTITIES, Summary
 
 LIMITS = tuple(f"{side}_{name}" for name in QUANTITIES for side in ("max", "min"))
 """Names of all limits: max_ or min_ before a quantity of the summary."""
@@ -21,7 +21,7 @@ class Limits:
     ----------
     bounds
         By name, in SI units: ``{"max_insertion_force": 6.0, "min_retention_force": 12.0}``; the names are
-        ``max_`` or ``min_`` and a quantity of :class:`gripper.summary.Summary`.
+        ``max_`` or ``min_`` and a quantity of :class:`gripper.results.summary.Summary`.
 
     Raises
     ------

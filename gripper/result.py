@@ -9,13 +9,23 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
-from gripper import report
 from gripper.describe import describe
-from gripper.extremes import Extremes
-from gripper.loop import Loop
-from gripper.pose_result import Checks, Contact, ErrorEstimate, PoseResult, Record, Shape, Status, Vector, jsonable
+from gripper.results import report
+from gripper.results.extremes import Extremes
+from gripper.results.loop import Loop
+from gripper.results.pose_result import (
+    Checks,
+    Contact,
+    ErrorEstimate,
+    PoseResult,
+    Record,
+    Shape,
+    Status,
+    Vector,
+    jsonable,
+)
+from gripper.results.summary import Summary, summarised
 from gripper.scene import Scene
-from gripper.summary import Summary, summarised
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -6,20 +6,20 @@ import time
 from collections.abc import Sequence
 from dataclasses import replace
 
-from gripper.answer import Answer, pose_result
 from gripper.assemble import first_order, left_out, setting
-from gripper.certificate import survey
-from gripper.equilibrium import NoEquilibriumError, Setting, reckoned, unloaded
-from gripper.extremes import Extreme
-from gripper.kinematics import Kinematics, Placement, Retreat
-from gripper.ladder import rungs, suffices, theory_difference
-from gripper.locked import LockedError
-from gripper.obstacle import Frame
+from gripper.contact.kinematics import Kinematics, Placement, Retreat
+from gripper.contact.obstacle import Frame
+from gripper.motion.locked import LockedError
+from gripper.motion.tracker import tracker_for
 from gripper.result import Model, PoseResult, Result
+from gripper.results.extremes import Extreme
 from gripper.scene import Scene
-from gripper.tracker import tracker_for
-from gripper.validity import plane_difference, unknown_between, warnings
-from gripper.verified import Verified, stability, untouched
+from gripper.statics.answer import Answer, pose_result
+from gripper.statics.certificate import survey
+from gripper.statics.equilibrium import NoEquilibriumError, Setting, reckoned, unloaded
+from gripper.statics.ladder import rungs, suffices, theory_difference
+from gripper.statics.validity import plane_difference, unknown_between, warnings
+from gripper.statics.verified import Verified, stability, untouched
 
 NOT_MODELLED = (
     "deformation of the section and of the surface at the contact",
@@ -65,8 +65,8 @@ def numbers(scene: Scene, fixed: Setting, answer: Answer, parameter: float | Non
         pose = replace(pose, error=replace(pose.error, next_theory=change))
     if scene.friction is None or not scene.friction.published:
         return pose
-    from gripper.law import Law
-    from gripper.splitting import split
+    from gripper.contact.law import Law
+    from gripper.statics.splitting import split
 
     return split(fixed, Law.of(scene.friction, fixed.outline, fixed.sections.length), answer, placement, pose)
 
@@ -120,7 +120,7 @@ def _approached(scene: Scene, fixed: Setting, frame: Frame) -> Answer:
     order, direction = first_order(scene.tolerance), scene.approach
     if fixed.friction is None:
         return approach(fixed, frame, direction, order)[0]
-    from gripper.locking import grown
+    from gripper.motion.locking import grown
 
     try:
         smooth, reached = approach(replace(fixed, friction=None), frame, direction, order)

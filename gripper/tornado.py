@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from gripper.plot.style import COLUMN, FORCE, INCH, INK, SECOND, Picture, styled
-from gripper.summary import QUANTITIES
+from gripper.results.summary import QUANTITIES
 
 if TYPE_CHECKING:
     from gripper.bands import Band

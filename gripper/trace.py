@@ -7,21 +7,21 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from gripper.assemble import first_order, setting
-from gripper.beam import BeamTheory
-from gripper.branch import Along
-from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, reckoned
-from gripper.events import STRUT
-from gripper.extremes import Extreme, Extremes
-from gripper.kinematics import Kinematics
-from gripper.ladder import rungs, suffices
-from gripper.located import Course, measures, ways
-from gripper.locked import LockedError
-from gripper.loop import Loop
+from gripper.beam.strains import BeamTheory
+from gripper.contact.kinematics import Kinematics
+from gripper.motion.branch import Along
+from gripper.motion.events import STRUT
+from gripper.motion.located import Course, measures, ways
+from gripper.motion.locked import LockedError
+from gripper.motion.tracker import Tracker, tracker_for
+from gripper.motion.watch import Watch
 from gripper.result import Checks, Event, PoseResult, Result
+from gripper.results.extremes import Extreme, Extremes
+from gripper.results.loop import Loop
 from gripper.scene import Scene
 from gripper.solve import approach, model, numbers
-from gripper.tracker import Tracker, tracker_for
-from gripper.watch import Watch
+from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, reckoned
+from gripper.statics.ladder import rungs, suffices
 
 INTERRUPTED = "interrupted"
 """Reason of the poses that an interruption left without an answer."""
@@ -163,7 +163,7 @@ class _Follower:
 
     def _if_free(self, value: float) -> tuple[str, ...]:
         """Where friction holds the finger: whether it might be free as well."""
-        from gripper.others import is_clear
+        from gripper.motion.others import is_clear
 
         clear = is_clear(self.fixed, self.fixed.obstacle(self.kinematics.frame(value)), self.order)
         return ("free",) if clear else ()

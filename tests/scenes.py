@@ -15,9 +15,9 @@ from scipy.spatial import cKDTree
 
 import gripper as gr
 from gripper.assemble import setting
-from gripper.axis import Axis
-from gripper.equilibrium import Equilibrium, Setting
-from gripper.kinematics import Kinematics
+from gripper.beam.axis import Axis
+from gripper.contact.kinematics import Kinematics
+from gripper.statics.equilibrium import Equilibrium, Setting
 from gripper.trace import _Follower
 from gripper_plugins.fingers.tapered import Tapered
 from gripper_plugins.fingers.uniform import Uniform

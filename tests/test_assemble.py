@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy.optimize import NonlinearConstraint, minimize
 
 import gripper as gr
-from gripper.axis import Axis
+from gripper.beam.axis import Axis
 from gripper_plugins.objects.circle import Circle
 from gripper_plugins.objects.ellipse import Ellipse
 from gripper_plugins.objects.polygon import Polygon

@@ -13,7 +13,7 @@ from gripper import scenefile
 from gripper.bands import Band, linear_bands, sampled_bands, samples
 from gripper.cli import app
 from gripper.parameters import number, replaced
-from gripper.summary import QUANTITIES
+from gripper.results.summary import QUANTITIES
 from gripper_plugins.objects.circle import Circle
 from tests.scenes import micro_assembly, unit_finger
 

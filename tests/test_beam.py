@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from scipy.optimize import minimize
 
 import gripper as gr
-from gripper.axis import Axis
-from gripper.beam import Beam
-from gripper.sections import sections
+from gripper.beam.axis import Axis
+from gripper.beam.sections import sections
+from gripper.beam.strains import Beam
 from tests.scenes import EXACT, RUBBER, TAPERED, unit_finger
 
 GAUSS, WEIGHTS = np.polynomial.legendre.leggauss(48)

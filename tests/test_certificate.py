@@ -13,11 +13,11 @@ from hypothesis import strategies as st
 
 import gripper as gr
 from gripper.assemble import setting
-from gripper.axis import Axis
-from gripper.beam import Beam
-from gripper.certificate import DEPTH, Survey, survey
-from gripper.equilibrium import Setting, State
-from gripper.obstacle import Frame, Obstacle
+from gripper.beam.axis import Axis
+from gripper.beam.strains import Beam
+from gripper.contact.obstacle import Frame, Obstacle
+from gripper.statics.certificate import DEPTH, Survey, survey
+from gripper.statics.equilibrium import Setting, State
 from gripper_plugins.objects.circle import Circle
 from gripper_plugins.objects.ellipse import Ellipse
 from gripper_plugins.objects.implicit import Implicit

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gripper.clearance import distances
+from gripper.contact.obstacle import Frame, Obstacle
 from gripper.objects import Object
-from gripper.obstacle import Frame, Obstacle
+from gripper.statics.clearance import distances
 from gripper_plugins.objects import Circle, Ellipse
 
 ANGLES = np.linspace(0.0, 2 * np.pi, 40_001)

@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 import gripper as gr
-from gripper.axis import Axis
-from gripper.beam import Beam
-from gripper.contact import linearise
-from gripper.contact_rows import Linearisation
-from gripper.obstacle import Frame, Obstacle
-from gripper.outline import LOWER, UPPER, Outline
-from gripper.sections import sections
-from gripper.site import Site
+from gripper.beam.axis import Axis
+from gripper.beam.sections import sections
+from gripper.beam.strains import Beam
+from gripper.contact.linear import linearise
+from gripper.contact.obstacle import Frame, Obstacle
+from gripper.contact.outline import LOWER, UPPER, Outline
+from gripper.contact.rows import Linearisation
+from gripper.contact.site import Site
 from gripper_plugins.jaws.polygon import PolygonJaw
 from gripper_plugins.objects.ellipse import Ellipse
 from gripper_plugins.objects.implicit import Implicit

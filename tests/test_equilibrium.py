@@ -11,12 +11,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import gripper as gr
-from gripper.axis import Axis
-from gripper.beam import Beam
-from gripper.contact import linearise
-from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, kkt_step, settle
-from gripper.kinematics import Kinematics
-from gripper.site import Site
+from gripper.beam.axis import Axis
+from gripper.beam.strains import Beam
+from gripper.contact.kinematics import Kinematics
+from gripper.contact.linear import linearise
+from gripper.contact.site import Site
+from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, kkt_step, settle
 from gripper_plugins.objects.circle import Circle
 from gripper_plugins.objects.polygon import Polygon
 from tests.scenes import Q, Solved, follow, micro_assembly, rotating_finger, unit_finger

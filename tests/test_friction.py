@@ -14,13 +14,13 @@ from hypothesis import strategies as st
 
 import gripper as gr
 from gripper.assemble import setting
-from gripper.contact import linearise
-from gripper.equilibrium import State
-from gripper.grip import Grip
-from gripper.kinematics import Kinematics
-from gripper.law import Law
-from gripper.site import Site
-from gripper.tracker import Tracker, tracker_for
+from gripper.contact.grip import Grip
+from gripper.contact.kinematics import Kinematics
+from gripper.contact.law import Law
+from gripper.contact.linear import linearise
+from gripper.contact.site import Site
+from gripper.motion.tracker import Tracker, tracker_for
+from gripper.statics.equilibrium import State
 from gripper_plugins.objects.circle import Circle
 from gripper_plugins.objects.ellipse import Ellipse
 from tests.rubbing import at, balance, check_coulomb, force, off

@@ -11,9 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import gripper as gr
-from gripper.equilibrium import settle
-from gripper.grip import Grip
-from gripper.others import answers, compliance
+from gripper.contact.grip import Grip
+from gripper.motion.others import answers, compliance
+from gripper.statics.equilibrium import settle
 from gripper_plugins.objects.circle import Circle
 from tests.scenes import Q, follow, micro_assembly, rotating_finger, unit_finger
 

@@ -8,9 +8,9 @@ import sympy
 from scipy.integrate import quad
 
 import gripper as gr
+from gripper.beam.grading import graded
+from gripper.beam.sections import sections
 from gripper.fingers import S
-from gripper.grading import graded
-from gripper.sections import sections
 from gripper_plugins.fingers import Formula, Tapered, Uniform
 from gripper_plugins.objects import Circle
 from tests.scenes import unit_finger

@@ -119,7 +119,9 @@ def test_every_public_name_is_where_the_stub_says_and_no_module_takes_its_place(
 
 
 RUBBING = {
-    f"gripper.{name}" for name in "frictional grip holding holds law ledger locking others peaks rubbing work".split()
+    *(f"gripper.contact.{name}" for name in ("grip", "law", "rubbing")),
+    "gripper.statics.holds",
+    *(f"gripper.motion.{name}" for name in ("frictional", "holding", "ledger", "locking", "others", "peaks", "work")),
 }
 MOTION = """
 import sympy

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 import gripper as gr
-from gripper.ladder import RUNGS
+from gripper.beam.sections import sections
 from gripper.result import ErrorEstimate
-from gripper.sections import sections
-from gripper.validity import crosses, plane_difference, warnings
+from gripper.statics.ladder import RUNGS
+from gripper.statics.validity import crosses, plane_difference, warnings
 from gripper_plugins.objects import Circle
 from tests.scenes import PLASTIC, RISING, micro_assembly, rotating_finger, unit_finger
 

@@ -20,11 +20,11 @@ from scipy.optimize import brentq, minimize
 
 import gripper as gr
 from gripper.assemble import setting
-from gripper.energy import energy, energy_gradient, energy_hessian
+from gripper.beam.energy import energy, energy_gradient, energy_hessian
+from gripper.beam.sections import sections
 from gripper.explain import explain
 from gripper.laws import Response, section_law
 from gripper.scenefile import SceneFileError, dumps, loads, read
-from gripper.sections import sections
 from gripper.solve import AXIAL, UNLOADING
 from gripper.study.published import solve_as_published
 from gripper.study.shooting import NoReferenceError, shooting

@@ -10,7 +10,7 @@ import gripper as gr
 from gripper import scenefile
 from gripper.cli import app
 from gripper.limits import LIMITS
-from gripper.summary import QUANTITIES, Summary
+from gripper.results.summary import QUANTITIES, Summary
 
 MICRO = (
     (Path(__file__).parent.parent / "gallery" / "micro_assembly.toml").read_text().replace("poses = 37", "poses = 7")

@@ -12,11 +12,11 @@ from matplotlib.text import Text
 from scipy.integrate import solve_bvp
 
 import gripper as gr
-from gripper.acting import Acting
 from gripper.assemble import setting
-from gripper.axis import Axis
-from gripper.obstacle import Stage
+from gripper.beam.axis import Axis
+from gripper.contact.obstacle import Stage
 from gripper.scenefile import dumps, loads
+from gripper.statics.acting import Acting
 from gripper.verify import verify
 from gripper_plugins.fingers import Tapered, Uniform
 from gripper_plugins.loads import FollowingForce, Force, Gravity, Moment, Tendon

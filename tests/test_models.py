@@ -16,7 +16,7 @@ from typer.testing import CliRunner
 import gripper as gr
 from gripper import scenefile
 from gripper.cli import app
-from gripper.ladder import RUNGS
+from gripper.statics.ladder import RUNGS
 from gripper.study.line_model import as_line
 from gripper.study.models import Ladder, models
 from gripper.study.small import NoModelError, handbook, linear

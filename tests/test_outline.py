@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from gripper.axis import Axis
-from gripper.beam import Beam
-from gripper.outline import LOWER, UPPER, Outline, second_derivative
-from gripper.sections import sections
+from gripper.beam.axis import Axis
+from gripper.beam.sections import sections
+from gripper.beam.strains import Beam
+from gripper.contact.outline import LOWER, UPPER, Outline, second_derivative
 from gripper_plugins.jaws.polygon import PolygonJaw
 from gripper_plugins.jaws.triangle import Triangle
 from tests.scenes import STRAIGHT, TAPERED, unit_finger

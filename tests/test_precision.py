@@ -17,8 +17,8 @@ import gripper as gr
 from gripper import scenefile
 from gripper.assemble import setting
 from gripper.cli import app
-from gripper.kinematics import Kinematics
-from gripper.site import Site
+from gripper.contact.kinematics import Kinematics
+from gripper.contact.site import Site
 from gripper.study.cost import single_pose
 from gripper.study.diagram import diagram
 from gripper.study.ipopt import Transcription

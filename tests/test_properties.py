@@ -11,8 +11,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import gripper as gr
-from gripper.axis import Axis
-from gripper.outline import UPPER
+from gripper.beam.axis import Axis
+from gripper.contact.outline import UPPER
 from gripper_plugins.fingers.tapered import Tapered
 from gripper_plugins.fingers.uniform import Uniform
 from gripper_plugins.jaws.polygon import PolygonJaw

@@ -11,8 +11,8 @@ import sympy
 from scipy.integrate import quad, solve_ivp
 
 import gripper as gr
+from gripper.beam.sections import sections
 from gripper.fingers import S
-from gripper.sections import sections
 from gripper.study.small import NoModelError, linear
 from gripper.verify import verify
 from gripper_plugins.objects.circle import Circle

@@ -11,9 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import gripper as gr
+from gripper.beam.sections import sections
 from gripper.fields import Positive
 from gripper.fingers import S as ARC
-from gripper.sections import sections
 from gripper_plugins.fingers.tapered import Tapered
 from gripper_plugins.fingers.uniform import Uniform
 from tests.scenes import RUBBER, STRAIGHT, TAPERED, unit_finger

@@ -11,17 +11,17 @@ import pytest
 import sympy
 
 import gripper as gr
-from gripper.answer import Answer, pose_result
 from gripper.assemble import setting
-from gripper.certificate import survey
-from gripper.equilibrium import settle
+from gripper.contact.kinematics import Kinematics
 from gripper.fingers import S
-from gripper.kinematics import Kinematics
 from gripper.parameters import numbers, replaced
 from gripper.sensitivity import PoseSensitivity
 from gripper.sensitivity.object_rates import object_rates
 from gripper.sensitivity.opened import NotOpenError
-from gripper.verified import Verified
+from gripper.statics.answer import Answer, pose_result
+from gripper.statics.certificate import survey
+from gripper.statics.equilibrium import settle
+from gripper.statics.verified import Verified
 from gripper_plugins.fingers.tapered import Tapered
 from gripper_plugins.objects.circle import Circle
 from gripper_plugins.objects.ellipse import Ellipse

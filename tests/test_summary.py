@@ -10,7 +10,7 @@ import gripper as gr
 from gallery import optimal_hook
 from gripper.parameters import replaced
 from gripper.result import PoseResult
-from gripper.summary import QUANTITIES
+from gripper.results.summary import QUANTITIES
 from gripper_plugins.fingers.tapered import Tapered
 from gripper_plugins.objects.circle import Circle
 from tests.scenes import Q, micro_assembly, rotating_finger, unit_finger

@@ -11,7 +11,7 @@ import pytest
 import sympy
 
 import gripper as gr
-from gripper.equilibrium import NoEquilibriumError, reckoned
+from gripper.statics.equilibrium import NoEquilibriumError, reckoned
 from gripper.trace import Interrupted
 from gripper_plugins.fingers.tapered import Tapered
 from gripper_plugins.jaws.triangle import Triangle

@@ -652,7 +652,7 @@ SHARED = {
     "friction",
     "objects",
     "pose",
-    "pose_result",
+    "results",
     "result",
     "scene",
     "verify",

@@ -57,7 +57,7 @@ def _check(scene_file: Path) -> None:
 
 def _line(verdict: Verdict, result: Result) -> str:
     """One limit in one line."""
-    from gripper.summary import QUANTITIES
+    from gripper.results.summary import QUANTITIES
 
     unit = QUANTITIES[verdict.quantity]
     word = "pass" if verdict.passed else "FAIL"

@@ -76,7 +76,7 @@ def _sweep(scene_file: Path, over: list[str], folder: Path, plot: list[str] | No
 def _names(plan: Plan, plot: list[str] | None) -> list[str]:
     """What is drawn: nothing by itself where there are more than two keys."""
     from gripper.names import known_names
-    from gripper.summary import QUANTITIES
+    from gripper.results.summary import QUANTITIES
 
     for name in plot or ():
         if name not in QUANTITIES:

@@ -70,7 +70,7 @@ def _tolerance(scene_file: Path, folder: Path, samples: int) -> None:
 
 def _say(bands: tuple[Band, ...], drawn: tuple[Sampled, ...], samples: int) -> None:
     """One line a number: its value, how far it may be off, and what counts most."""
-    from gripper.summary import QUANTITIES
+    from gripper.results.summary import QUANTITIES
 
     spread = {band.quantity: band for band in drawn}
     typer.echo(f"{'':24}{'value':>11}{'at worst':>11}{'likely':>11}   what counts most")

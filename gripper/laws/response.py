@@ -20,7 +20,7 @@ from gripper.arrays import Array
 from gripper.laws.section import Phi, SectionLaw
 
 if TYPE_CHECKING:
-    from gripper.sections import Sections
+    from gripper.beam.sections import Sections
 
 Tensor = Array
 """(fields, fields, k)."""

@@ -7,7 +7,7 @@ from typing import Literal, get_args
 
 from gripper.names import known_names
 from gripper.result import Result
-from gripper.summary import QUANTITIES
+from gripper.results.summary import QUANTITIES
 
 Sense = Literal["minimize", "maximize", "flatten"]
 
@@ -22,7 +22,7 @@ class Goal:
         "minimize" or "maximize" a quantity of the summary, or "flatten" one that every pose has: make its variation
         over the poses, (largest - least) / mean, as small as can be.
     quantity
-        As :class:`gripper.summary.Summary` names it.
+        As :class:`gripper.results.summary.Summary` names it.
 
     Raises
     ------

@@ -12,7 +12,7 @@ from matplotlib.patches import FancyArrowPatch
 from matplotlib.patheffects import withStroke
 
 from gripper.plot.style import SECOND
-from gripper.pose_result import Applied
+from gripper.results.pose_result import Applied
 
 Array = np.ndarray[tuple[int, ...], np.dtype[np.float64]]
 

@@ -8,12 +8,12 @@ import numpy as np
 import sympy
 
 from gripper.arrays import Array
+from gripper.beam.sections import Sections, sections
 from gripper.fingers import Finger
 from gripper.objects import Object
 from gripper.pose import Pose, placed
 from gripper.scene import Motion, Scene
 from gripper.scenefile.place import Place
-from gripper.sections import Sections, sections
 
 THINNEST, THICKEST = 1e-9, 100.0
 """Of a finger's length: beyond these a float loses the finger's shape or its bending."""
@@ -48,7 +48,7 @@ def _check_loads(scene: Scene, profile: Sections, place: Place) -> None:
     """Compile the loads on their finger."""
     if not scene.loads:
         return
-    from gripper.compiled_loads import compiled_loads  # here, because most scenes have none
+    from gripper.statics.compiled_loads import compiled_loads  # here, because most scenes have none
 
     try:
         compiled_loads(scene, profile)

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from gripper.arrays import Array
-from gripper.located import ways
-from gripper.pose_result import PoseResult
+from gripper.motion.located import ways
 from gripper.result import Result
+from gripper.results.pose_result import PoseResult
 from gripper.sensitivity.report import PoseSensitivity, Sensitivity, sensitivities
 
 Read = Callable[[PoseResult], float]

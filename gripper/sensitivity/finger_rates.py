@@ -9,8 +9,8 @@ import numpy as np
 import sympy
 
 from gripper.arrays import Array, Complex
+from gripper.contact.outline import UPPER, Outline
 from gripper.fingers import S
-from gripper.outline import UPPER, Outline
 from gripper.sensitivity.opened import derivatives, profile
 
 

@@ -1,6 +1,6 @@
 """How the contact equations of an equilibrium change: forward mode, a batch of directions at a time.
 
-The equations are those that :func:`gripper.equilibrium.settle` solves, segments ending at the contacts:
+The equations are those that :func:`gripper.statics.equilibrium.settle` solves, segments ending at the contacts:
 
     dV/dc = Q(c, forces),   C = 0,   R = 0,
 
@@ -16,7 +16,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from gripper.arrays import Array, Complex
-from gripper.outline import dot
+from gripper.contact.outline import dot
 from gripper.sensitivity.geometry import Bending
 from gripper.sensitivity.touching import Touching
 

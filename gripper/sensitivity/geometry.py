@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gripper.arrays import Array, Complex, Index
-from gripper.beam import Beam, legendre, legendre_integrals
+from gripper.beam.strains import Beam, legendre, legendre_integrals
 
 
 @dataclass(frozen=True, eq=False)

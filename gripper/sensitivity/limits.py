@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from gripper.equilibrium import Equilibrium
+from gripper.contact.outline import Outline
+from gripper.contact.site import Site
 from gripper.fingers import Finger, Material
-from gripper.holds import coefficient, grip_of, leaders, slip_rates, tangent
-from gripper.kept import Kept
-from gripper.outline import Outline
 from gripper.pose import placed
-from gripper.pose_result import PoseResult
+from gripper.results.kept import Kept
+from gripper.results.pose_result import PoseResult
 from gripper.scene import Scene
-from gripper.site import Site
+from gripper.statics.equilibrium import Equilibrium
+from gripper.statics.holds import coefficient, grip_of, leaders, slip_rates, tangent
 
 if TYPE_CHECKING:
     from gripper.result import Result

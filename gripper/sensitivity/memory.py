@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from gripper.arrays import Array, Complex
-from gripper.equilibrium import Equilibrium
-from gripper.grip import Anchor
-from gripper.outline import dot
+from gripper.contact.grip import Anchor
+from gripper.contact.outline import dot
 from gripper.sensitivity.flow import Change
 from gripper.sensitivity.tangent import Rates
 from gripper.sensitivity.touching import Span, Touching
+from gripper.statics.equilibrium import Equilibrium
 
 if TYPE_CHECKING:
     from gripper.sensitivity.seeds import FrameRates, Seeds
@@ -28,7 +28,7 @@ class UnknownPastError(Exception):
 
 @dataclass(frozen=True, eq=False)
 class AnchorRates:
-    """Rates of an anchor (:class:`gripper.grip.Anchor`), by each number: (d, q)."""
+    """Rates of an anchor (:class:`gripper.contact.grip.Anchor`), by each number: (d, q)."""
 
     points: Complex
     tangents: Complex
@@ -134,7 +134,7 @@ class Memory:
 
 
 def _gathered(anchor: Anchor, moved: AnchorRates) -> AnchorRates:
-    """Rates of an anchor that is held in its middle (:meth:`gripper.grip.Anchor.over`)."""
+    """Rates of an anchor that is held in its middle (:meth:`gripper.contact.grip.Anchor.over`)."""
 
     def mean(values: Any, changes: Any) -> Any:
         return (moved.weights @ values + changes @ anchor.weights)[:, None]

@@ -8,11 +8,11 @@ from typing import TypeAlias
 import numpy as np
 
 from gripper.arrays import Array, Complex, Mask
-from gripper.equilibrium import Equilibrium
-from gripper.outline import dot
-from gripper.profile import largest_strain
+from gripper.contact.outline import dot
 from gripper.sensitivity.geometry import Marks
 from gripper.sensitivity.seeds import Seeds
+from gripper.statics.equilibrium import Equilibrium
+from gripper.statics.profile import largest_strain
 
 Table: TypeAlias = dict[str, Array]
 """Rates by name: (p,), or (p, 2) of vectors."""

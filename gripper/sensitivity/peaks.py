@@ -12,16 +12,16 @@ from dataclasses import replace
 import numpy as np
 
 from gripper.arrays import Array
-from gripper.branch import Along, Branch
-from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, settle
-from gripper.holds import coefficient
-from gripper.outline import LOWER, UPPER
-from gripper.profile import largest_strain
+from gripper.contact.outline import LOWER, UPPER
+from gripper.contact.site import Site
+from gripper.motion.branch import Along, Branch
 from gripper.sensitivity.limits import FEEBLE, at_end
 from gripper.sensitivity.numbers import Reading
 from gripper.sensitivity.seeds import Seeds
 from gripper.sensitivity.tangent import Rates
-from gripper.site import Site
+from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, settle
+from gripper.statics.holds import coefficient
+from gripper.statics.profile import largest_strain
 
 _STATIONARY = 1e-3  # of a number, over 1 % of the motion: what a peak that was located may still rise
 _SHARP = 1e-8  # the same, where it is sharp enough

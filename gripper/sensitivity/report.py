@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from gripper.kept import Kept
 from gripper.parameters import number, numbers
 from gripper.pose import placed
-from gripper.pose_result import PoseNumbers, PoseResult, Record, Vector, jsonable
+from gripper.results.kept import Kept
+from gripper.results.pose_result import PoseNumbers, PoseResult, Record, Vector, jsonable
 from gripper.scene import Scene
 from gripper.sensitivity.limits import refusal, side
 from gripper.sensitivity.memory import UnknownPastError
@@ -37,7 +37,7 @@ class PoseSensitivity(PoseNumbers):
     reason
         Why it is one-sided or none.
 
-    The numbers are derivatives of what :class:`gripper.pose_result.PoseNumbers` calls so.
+    The numbers are derivatives of what :class:`gripper.results.pose_result.PoseNumbers` calls so.
     """
 
     kind: Literal["exact", "one-sided", "none"] = "exact"

@@ -10,10 +10,10 @@ import numpy as np
 import sympy
 
 from gripper.arrays import Array, Complex
-from gripper.equilibrium import Equilibrium, Setting
+from gripper.contact.kinematics import Kinematics
+from gripper.contact.outline import LOWER, UPPER, dot
+from gripper.contact.site import Site
 from gripper.friction import Coefficients
-from gripper.kinematics import Kinematics
-from gripper.outline import LOWER, UPPER, dot
 from gripper.parameters import numbers
 from gripper.scene import Scene
 from gripper.sensitivity.finger_rates import FingerRates
@@ -22,7 +22,7 @@ from gripper.sensitivity.memory import Memory
 from gripper.sensitivity.object_rates import object_rates
 from gripper.sensitivity.tangent import Rates, rates
 from gripper.sensitivity.touching import Touching
-from gripper.site import Site
+from gripper.statics.equilibrium import Equilibrium, Setting
 
 MOTION = "the motion's parameter"
 _POSES = ("x", "y", "angle")

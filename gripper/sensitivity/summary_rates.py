@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 from gripper.arrays import Array
-from gripper.contact_forces import drive
-from gripper.extremes import Extreme
 from gripper.pose import placed
+from gripper.results.extremes import Extreme
 from gripper.sensitivity.memory import UnknownPastError
 from gripper.sensitivity.peaks import Summit
 from gripper.sensitivity.seeds import Seeds
+from gripper.statics.contact_forces import drive
 
 if TYPE_CHECKING:
     from gripper.result import Result

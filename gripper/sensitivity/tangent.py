@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gripper.arrays import Array
-from gripper.outline import dot
+from gripper.contact.outline import dot
+from gripper.contact.site import pressure_rule
 from gripper.sensitivity.flow import Change, Flow, flow, load_rates
 from gripper.sensitivity.touching import Span, Touching
-from gripper.site import pressure_rule
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +87,7 @@ def _contact(t: Touching, change: Change, moved: Flow) -> tuple[Array, Array]:
 
 
 def slip_rates(t: Touching, span: Span, change: Change, moved: Flow) -> Array:
-    """Rates of the slip of a contact that sticks since it began to (:mod:`gripper.rubbing`)."""
+    """Rates of the slip of a contact that sticks since it began to (:mod:`gripper.contact.rubbing`)."""
     stick, at = t.stick(span), span.queries
     along = dot(stick.tangents, moved.points[:, at]) - change.queries[:, at] * stick.stretches
     stretch = dot(stick.tangents, moved.tangents[:, at]) / 2

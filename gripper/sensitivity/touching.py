@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gripper.arrays import Array, Complex, Index
-from gripper.equilibrium import Equilibrium, Setting
-from gripper.grip import Anchor
-from gripper.outline import UPPER, dot
+from gripper.contact.grip import Anchor
+from gripper.contact.outline import UPPER, dot
+from gripper.contact.site import Site, pressure_rule
 from gripper.sensitivity.finger_rates import FingerRates
 from gripper.sensitivity.geometry import Geometry, Marks
-from gripper.site import Site, pressure_rule
+from gripper.statics.equilibrium import Equilibrium, Setting
 
 _SPREAD = ("patch", "tail")
 

@@ -17,7 +17,7 @@ import numpy as np
 import shapely
 import sympy
 
-from gripper.beam import BeamTheory
+from gripper.beam.strains import BeamTheory
 from gripper.fingers import Finger, Material
 from gripper.objects import Object
 from gripper.registry import load

@@ -13,7 +13,7 @@ from typing import Generic, TypeVar
 
 import numpy as np
 
-from gripper.kinematics import Kinematics
+from gripper.contact.kinematics import Kinematics
 from gripper.pose import Pose, placed
 from gripper.scene import Scene
 

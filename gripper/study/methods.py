@@ -12,20 +12,20 @@ from scipy.optimize import OptimizeResult, minimize
 
 from gripper.arrays import Array
 from gripper.assemble import assemble, first_order, setting
-from gripper.certificate import survey
-from gripper.contact import linearise
-from gripper.equilibrium import NoEquilibriumError, Setting, State
-from gripper.kinematics import Kinematics
-from gripper.nearby import near
+from gripper.contact.kinematics import Kinematics
+from gripper.contact.linear import linearise
+from gripper.motion.tracker import Tracker
 from gripper.pose import placed
-from gripper.problem import Problem
 from gripper.scene import Motion, Scene
 from gripper.solve import approach, solve
+from gripper.statics.certificate import survey
+from gripper.statics.equilibrium import NoEquilibriumError, Setting, State
+from gripper.statics.nearby import near
+from gripper.statics.problem import Problem
 from gripper.study.cost import shifted
 from gripper.study.ipopt import Transcription, available
 from gripper.study.outcome import NoOutcomeError, Outcome, counted, of_nodes, of_strains
 from gripper.study.published import Gradients, PublishedProblem, PublishedResult, Shear, Start, solve_as_published
-from gripper.tracker import Tracker
 
 NEAR = 0.01
 """How far (of L) the pose lies whose answer a warm pose starts from."""

@@ -10,10 +10,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
-from gripper.ladder import RUNGS
 from gripper.result import Result
 from gripper.scene import Motion, Scene
 from gripper.solve import solve
+from gripper.statics.ladder import RUNGS
 from gripper.study.line_model import as_line
 from gripper.study.small import NoModelError, Small, handbook, linear
 from gripper.trace import trace

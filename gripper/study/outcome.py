@@ -9,12 +9,12 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from gripper.arrays import Array, Complex, Index
-from gripper.axis import Axis
-from gripper.contact_rows import Linearisation
-from gripper.equilibrium import Setting, State
+from gripper.beam.axis import Axis
+from gripper.contact.obstacle import Obstacle
+from gripper.contact.outline import LOWER, UPPER
+from gripper.contact.rows import Linearisation
 from gripper.objects import Object
-from gripper.obstacle import Obstacle
-from gripper.outline import LOWER, UPPER
+from gripper.statics.equilibrium import Setting, State
 from gripper.study.shot import MARKS, Answer, Shot
 
 QUANTITIES = ("force", "energy", "place", "shape", "depth")

@@ -10,10 +10,10 @@ from dataclasses import replace
 import numpy as np
 
 from gripper.assemble import first_order, setting
-from gripper.equilibrium import NoEquilibriumError
-from gripper.kinematics import Kinematics
+from gripper.contact.kinematics import Kinematics
 from gripper.scene import Scene
 from gripper.solve import approach
+from gripper.statics.equilibrium import NoEquilibriumError
 from gripper.study.cost import repeated, shifted, single_pose, start_up
 from gripper.study.methods import Method, methods
 from gripper.study.outcome import QUANTITIES, NoOutcomeError, errors, uncertainty

@@ -18,12 +18,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
+from gripper.beam.sections import sections
+from gripper.contact.kinematics import Kinematics
+from gripper.contact.obstacle import Obstacle
 from gripper.fingers import Jaw
-from gripper.kinematics import Kinematics
-from gripper.obstacle import Obstacle
 from gripper.pose import placed
 from gripper.scene import Scene
-from gripper.sections import sections
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

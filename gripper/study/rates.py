@@ -6,7 +6,7 @@ With n(s) the contact forces beyond s and m(s) their moment about the section,
 
 where d = 1 in bending, exp(i gamma) with GA gamma = n . i exp(i (psi + gamma)) with shear (inextensible, as the paper),
 and 1 + eps + i gamma with stretch: EA eps and GA gamma are n along and across the section. Along a patch the face P
-follows the object: c' . nu = 0, whose derivative gives the pressure q. By L and EI(0) (:mod:`gripper.sections`).
+follows the object: c' . nu = 0, whose derivative gives the pressure q. By L and EI(0) (:mod:`gripper.beam.sections`).
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from typing import NamedTuple
 import numpy as np
 
 from gripper.arrays import Array
-from gripper.equilibrium import Setting
-from gripper.obstacle import Obstacle
-from gripper.outline import LOWER, UPPER
+from gripper.contact.obstacle import Obstacle
+from gripper.contact.outline import LOWER, UPPER
+from gripper.statics.equilibrium import Setting
 
 _STEP = 2e-3  # of L: for derivatives of the stiffness, by differences of eighth order
 _EIGHTH = np.array([1 / 280, -4 / 105, 1 / 5, -4 / 5, 0, 4 / 5, -1 / 5, 4 / 105, -1 / 280])

@@ -13,10 +13,10 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import root
 
 from gripper.arrays import Array
-from gripper.equilibrium import Equilibrium, Setting
-from gripper.obstacle import Obstacle
-from gripper.outline import LOWER
-from gripper.site import Site
+from gripper.contact.obstacle import Obstacle
+from gripper.contact.outline import LOWER
+from gripper.contact.site import Site
+from gripper.statics.equilibrium import Equilibrium, Setting
 from gripper.study.rates import NX, NY, PSI, QX, QY, M, Q, Rates, V, X, Y, cross, dot
 from gripper.study.shot import MARKS, NoReferenceError, Shot
 

@@ -9,10 +9,10 @@ from scipy.optimize import nnls
 
 from gripper.arrays import Array
 from gripper.assemble import setting
-from gripper.equilibrium import Setting
-from gripper.kinematics import Kinematics
+from gripper.contact.kinematics import Kinematics
 from gripper.pose import placed
 from gripper.scene import Scene
+from gripper.statics.equilibrium import Setting
 
 _CELLS = 200
 _FLAT = 1e-9  # relative: a thickness that varies by less is uniform

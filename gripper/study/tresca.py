@@ -20,11 +20,11 @@ import numpy as np
 from scipy.optimize import minimize
 
 from gripper.arrays import Array
-from gripper.contact import linearise
-from gripper.contact_rows import Linearisation
-from gripper.equilibrium import Equilibrium, NoEquilibriumError, Setting, State
-from gripper.obstacle import Obstacle
-from gripper.site import Site
+from gripper.contact.linear import linearise
+from gripper.contact.obstacle import Obstacle
+from gripper.contact.rows import Linearisation
+from gripper.contact.site import Site
+from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, State
 
 _SETTLED = 1e-7  # relative: what the normal force may still change by
 _ROUNDS = 40

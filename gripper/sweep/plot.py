@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from gripper.plot.style import COLUMN, FORCE, INCH, INK, STRAIN, Picture, styled
-from gripper.summary import QUANTITIES
+from gripper.results.summary import QUANTITIES
 
 if TYPE_CHECKING:
     from gripper.sweep.run import Sweep

@@ -9,7 +9,7 @@ import zlib
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
-from gripper.summary import Summary
+from gripper.results.summary import Summary
 
 NUMBERS = tuple(field.name for field in dataclasses.fields(Summary) if field.name != "parameter")
 _COUNTS = ("poses", "failed", "locked")

@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gripper.parameters import number
+from gripper.results.summary import Summary
 from gripper.scene import Scene
-from gripper.summary import Summary
 from gripper.sweep.plan import Plan
 from gripper.sweep.pool import processes
 from gripper.sweep.rows import Row

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 
 from gripper.parameters import replaced
 from gripper.result import Result
+from gripper.results.summary import Summary
 from gripper.scene import Scene
 from gripper.solve import solve
-from gripper.summary import Summary
 from gripper.trace import trace
 
 

@@ -9,9 +9,9 @@ import numpy as np
 import sympy
 
 from gripper.arrays import Array
+from gripper.beam.sections import sections
 from gripper.fingers import Finger, S
 from gripper.kinks import beside_kinks
-from gripper.sections import sections
 from gripper.testing.contract import Property, fits, has_the_manners_of_data, require, run, survives_a_scene_file
 
 SAMPLES = 64  # between two kinks

@@ -7,10 +7,10 @@ from functools import cache
 import numpy as np
 
 from gripper.arrays import Array
-from gripper.compiled_loads import CompiledLoad, compiled
 from gripper.fingers import Finger, Material, S
 from gripper.loads import Load, PotentialLoad
 from gripper.registry import load as plugin
+from gripper.statics.compiled_loads import CompiledLoad, compiled
 from gripper.testing.contract import (
     Property,
     fits,

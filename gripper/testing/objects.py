@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from gripper.contact.obstacle import Frame, Obstacle
 from gripper.objects import Array, Object
-from gripper.obstacle import Frame, Obstacle
 from gripper.testing.contract import Property, fits, has_the_manners_of_data, require, run, survives_a_scene_file
 from gripper.testing.places import around, drawn, in_discs, largest, segments, size_of, window
 

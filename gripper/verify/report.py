@@ -10,7 +10,7 @@ from typing import Any
 
 from gripper.fingers import Material
 from gripper.pose import placed
-from gripper.pose_result import Contact
+from gripper.results.pose_result import Contact
 from gripper.scene import Scene
 from gripper.verify import table
 from gripper.verify.run import Found, Model, Place

@@ -1,0 +1,1 @@
+"""The beam: strain fields, its axis, sections, rest shape and strain energy."""

@@ -1,0 +1,1 @@
+"""Where outline and object meet: geometry, gaps, and friction's law on them."""

@@ -1,0 +1,1 @@
+"""Equilibria along a motion: followed, their changes located, with friction's memory."""

@@ -1,0 +1,208 @@
+"""One set of contacts along a motion: its equilibria between two poses, wherever they are asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+from scipy.optimize import brentq
+
+from gripper.contact.features import Feature, features
+from gripper.contact.linear import linearise
+from gripper.contact.obstacle import Frame
+from gripper.statics.certificate import survey
+from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, predicted, settle
+from gripper.statics.snap import distance
+
+_ROUND_OFF = 1e-13
+_HALVINGS = 4  # of a way along a branch
+_ROUNDS = 8  # of Newton's method, of which three or four are needed
+_DEPARTS = 0.5  # of a step: what it may differ from its prediction
+_APART = 1e-4  # of L: shapes that differ by more are of different branches
+_SMALL = 1e-5  # of L: the step along the tangent
+_GENTLE, _GENTLEST = 0.1, 1e-4  # of the forces, what such a step changes; of the step, what is left of it
+STILL = 1e-12
+"""Of L: object and clamp do not move against each other."""
+SHARP = 1e-10  # of the step: where an event is located to
+
+
+class Path(Protocol):
+    """Frames of the object along a parameter."""
+
+    def frame(self, parameter: float) -> Frame:
+        """The object's frame relative to the clamp."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Along:
+    """An equilibrium and where on the path it stands."""
+
+    parameter: float
+    equilibrium: Equilibrium
+
+
+class Branch:
+    """The equilibria of one set of contacts near a known one, each reached from the nearest that is known."""
+
+    def __init__(self, setting: Setting, path: Path, known: Along, order: int) -> None:
+        self.setting, self.path, self.order = setting, path, order
+        self.known = [known]
+
+    def at(self, parameter: float) -> Equilibrium:
+        """The equilibrium at a parameter.
+
+        Raises
+        ------
+        NoEquilibriumError
+            Where Newton does not reach it.
+        """
+        return self._reached(parameter, _HALVINGS)
+
+    def _reached(self, parameter: float, halvings: int) -> Equilibrium:
+        start = min(self.known, key=lambda at: abs(at.parameter - parameter))
+        if start.parameter == parameter:
+            return start.equilibrium
+        guess = predicted(self.setting, start.equilibrium, parameter - start.parameter)
+        expected = float(np.linalg.norm(guess.z - start.equilibrium.state.z))
+        found = settle(self.setting, self.setting.obstacle(self.path.frame(parameter)), guess, self.order)
+        if found.correction > _DEPARTS * expected + _APART:
+            if not halvings:
+                raise NoEquilibriumError("the step departs from its prediction")
+            self._reached((start.parameter + parameter) / 2, halvings - 1)
+            return self._reached(parameter, halvings - 1)
+        self.known.append(Along(parameter, found))
+        return found
+
+
+def speed(equilibrium: Equilibrium) -> float:
+    """How fast object and clamp move against each other, by L per unit of the parameter."""
+    frame = equilibrium.obstacle.frame
+    return abs(frame.velocity) + abs(frame.spin)
+
+
+def nudged(setting: Setting, path: Path, at: Along, heading: float) -> tuple[Equilibrium, float]:
+    """The state a little further along the tangent, and how far; 0 where object and clamp do not move.
+
+    Raises
+    ------
+    NoEquilibriumError
+        At a limit point.
+    """
+    equilibrium = at.equilibrium
+    fast = speed(equilibrium)
+    if fast < STILL:
+        return equilibrium, 0.0
+    small = heading * _SMALL / fast
+    state = predicted(setting, equilibrium, small)
+    loads = [(old[0], new[0] - old[0]) for old, new in zip(equilibrium.state.loads, state.loads, strict=True)]
+    least = min((abs(load / change) for load, change in loads if change), default=1.0)
+    if least < _GENTLE:  # just touched: the ratio of a contact that sticks changes as fast as its force grows
+        small *= max(_GENTLE * least, _GENTLEST)
+        state = predicted(setting, equilibrium, small)
+    obstacle = setting.obstacle(path.frame(at.parameter + small))
+    lin = linearise(state.beam, state.z, setting.outline, obstacle, state.sites, state.multipliers)
+    return Equilibrium(state, obstacle, lin, 0), small
+
+
+def pointed(setting: Setting, equilibrium: Equilibrium, order: int) -> Equilibrium:
+    """All patches as points."""
+    for i in range(len(equilibrium.state.sites)):
+        equilibrium = _pointed(setting, equilibrium, i, order)
+    return equilibrium
+
+
+def _pointed(setting: Setting, equilibrium: Equilibrium, i: int, order: int) -> Equilibrium:
+    """A patch shrinks to a point before it lets go: followed as a point, which may pull beyond the event."""
+    site = equilibrium.state.sites[i]
+    if site.kind != "patch":
+        return equilibrium
+    state = equilibrium.state
+    first = sum(s.multipliers for s in state.sites[:i])
+    sites = (*state.sites[:i], replace(site, kind="tangent", place=(site.middle,), modes=1), *state.sites[i + 1 :])
+    multipliers = np.delete(state.multipliers, range(first + 1, first + site.multipliers))
+    return settle(setting, equilibrium.obstacle, State(state.beam, state.z, sites, multipliers), order)
+
+
+def joined(setting: Setting, path: Path, there: Along, known: Along, order: int, apart: float = _APART) -> float:
+    """Where an event is, once the branch of a known equilibrium is seen to meet the event's.
+
+    Raises
+    ------
+    NoEquilibriumError
+        Where they do not meet: the step leads to another branch.
+    """
+    other = Branch(setting, path, known, order).at(there.parameter)
+    if distance(there.equilibrium.state, other.state) > apart:
+        raise NoEquilibriumError("the step leads to another branch")
+    return there.parameter
+
+
+def bracketed(value: Callable[[float], float], start: float, stop: float) -> float:
+    """The root between two parameters.
+
+    Raises
+    ------
+    NoEquilibriumError
+        Where there is none.
+    """
+    first, last = value(start), value(stop)
+    if abs(first) < _ROUND_OFF or abs(last) < _ROUND_OFF:
+        return start if abs(first) < abs(last) else stop
+    if first * last > 0:
+        raise NoEquilibriumError("the step leads to another branch")
+    return float(brentq(value, start, stop, xtol=SHARP * abs(stop - start), rtol=1e-14))
+
+
+def number(known: Along, feature: Feature) -> int:
+    """Which of its sites a contact is."""
+    return features(known.equilibrium.state.sites)[feature]
+
+
+def released(setting: Setting, path: Path, known: Along, other: Along, feature: Feature, order: int) -> float:
+    """Where a contact's multiplier vanishes on the branch of a known equilibrium, the contact held beyond.
+
+    Raises
+    ------
+    NoEquilibriumError
+        Where it does not, or where something else has touched before.
+    """
+    i = number(known, feature)
+    branch = Branch(setting, path, replace(known, equilibrium=_pointed(setting, known.equilibrium, i, order)), order)
+    where = _let_go(branch, i, known.parameter, other.parameter)
+    if where is None:
+        where = bracketed(lambda parameter: _pressing(branch.at(parameter), i), known.parameter, other.parameter)
+    there = branch.at(where)
+    if not survey(setting, there.obstacle, there.state).clear:
+        raise NoEquilibriumError("something else touches before")
+    return joined(setting, path, Along(where, there), other, order)
+
+
+def _let_go(branch: Branch, i: int, start: float, stop: float) -> float | None:
+    """Where a contact's multiplier vanishes, by Newton's method on its rate; None where that leaves the step."""
+    at, way = start, stop - start
+    for _ in range(_ROUNDS):
+        try:
+            equilibrium = branch.at(at)
+            rate = float(equilibrium.tangent()[1][_row(equilibrium, i)])
+        except (NoEquilibriumError, np.linalg.LinAlgError):
+            return None  # the bracket is searched instead
+        step = -_pressing(equilibrium, i) / rate if rate else np.inf
+        if abs(step) <= SHARP * abs(way):
+            return at
+        at += step
+        if not 0 <= (at - start) / way <= 1:
+            return None
+    return None
+
+
+def _pressing(equilibrium: Equilibrium, i: int) -> float:
+    """The multiplier of a contact: 0 where it is released, or was not yet touched."""
+    return float(equilibrium.state.multipliers[_row(equilibrium, i)])
+
+
+def _row(equilibrium: Equilibrium, i: int) -> int:
+    """The number of a contact's first multiplier."""
+    return sum(site.multipliers for site in equilibrium.state.sites[:i])

@@ -1,0 +1,150 @@
+"""What changes between two poses of a motion, and at which value of its parameter."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from gripper.contact.features import feature_name, gone_and_come
+from gripper.contact.obstacle import Obstacle
+from gripper.contact.site import Site
+from gripper.motion.branch import Along, Branch, Path, bracketed, joined, pointed, released
+from gripper.motion.turning import adjacent, changed
+from gripper.statics.certificate import survey
+from gripper.statics.equilibrium import NoEquilibriumError, Setting, State, unloaded
+from gripper.statics.nearby import least_gaps
+from gripper.statics.verified import objection
+
+STRUT = "met head-on the finger is a strut and buckles: to which side is undecided by statics"
+_GRAZED = 1e-9  # of L: contacts that only graze are none
+
+
+@dataclass(frozen=True)
+class Change:
+    """Something that happened at a value of the path's parameter."""
+
+    parameter: float
+    kind: Literal["touch", "release", "change", "snap", "stick", "slip"]
+    detail: str
+
+
+def changes(setting: Setting, path: Path, old: Along, new: Along, order: int) -> list[Change]:
+    """Touch, release and change of face, edge or corner between two neighbouring poses, located on the parameter.
+
+    Raises
+    ------
+    NoEquilibriumError
+        Where the branches do not lead to the event: the step is too long, or leads to another branch.
+    """
+    before, outline = old.equilibrium.state.sites, setting.outline
+    gone, come = gone_and_come(before, new.equilibrium.state.sites, _moves(old, new))
+    out: list[Change] = []
+    for lost in list(gone):
+        won = next((f for f in come if adjacent(setting, lost, f)), None)
+        if won is not None:
+            where = changed(setting, path, old, new, lost, won, order)
+            out.append(Change(where, "change", f"{feature_name(outline, lost)} to {feature_name(outline, won)}"))
+            gone.remove(lost)
+            come.remove(won)
+    if len(out) + len(gone) + len(come) > 1:
+        raise NoEquilibriumError("several contacts change within one step")
+    for won in come:
+        where = released(setting, path, new, old, won, order) if before else _first(setting, path, old, new, order)
+        out.append(Change(where, "touch", feature_name(outline, won)))
+        if not before and head_on(setting, path, old, where):
+            out.append(Change(where, "snap", STRUT))
+    for lost in gone:
+        where = released(setting, path, old, new, lost, order)
+        out.append(Change(where, "release", feature_name(outline, lost)))
+    return out
+
+
+def check_unbroken(setting: Setting, path: Path, old: Along, new: Along, order: int) -> None:
+    """Contacts that were found anew, not predicted, are those of the old branch all the way, if they look like them.
+
+    Raises
+    ------
+    NoEquilibriumError
+        Where the old branch ends elsewhere, or something else touches in between: what came has gone again.
+    """
+    kinds = [[(site.kind, site.piece, site.vertex) for site in at.equilibrium.state.sites] for at in (old, new)]
+    if kinds[0] != kinds[1]:
+        return
+    branch = Branch(setting, path, old, order)
+    joined(setting, path, Along(new.parameter, branch.at(new.parameter)), new, order)
+    between = branch.at((old.parameter + new.parameter) / 2)
+    if objection(setting, between) or not survey(setting, between.obstacle, between.state).clear:
+        raise NoEquilibriumError("something else touches before")
+
+
+def _moves(old: Along, new: Along) -> list[float]:
+    """How far each contact should move along its piece by the tangent; a limit point tells nothing."""
+    try:
+        rates, first, out = old.equilibrium.tangent()[2], 0, []
+    except np.linalg.LinAlgError:
+        return []
+    for site in old.equilibrium.state.sites:
+        own = rates[first : first + site.unknown_places]
+        out.append(float(own.mean() if own.size else 0.0) * (new.parameter - old.parameter))
+        first += site.unknowns
+    return out
+
+
+def _first(setting: Setting, path: Path, old: Along, new: Along, order: int) -> float:
+    """Where the free finger is touched first, by a contact that the new pose still has."""
+    sites = new.equilibrium.state.sites
+
+    def least(parameter: float, *, kept: bool) -> float:
+        obstacle = setting.obstacle(path.frame(parameter))
+        state = _free(setting, obstacle, old)
+        found = least_gaps(setting, obstacle, state, survey(setting, obstacle, state, brief=True))
+        return min((g for g, at in found if any(_same(setting, at, site) for site in sites) == kept), default=np.inf)
+
+    if np.isinf(least(new.parameter, kept=True)):
+        raise NoEquilibriumError("the first contact has moved on within the step")
+    where = bracketed(lambda parameter: min(least(parameter, kept=True), 1.0), old.parameter, new.parameter)
+    if least(where, kept=False) < -_GRAZED:
+        raise NoEquilibriumError("the first contact has moved on within the step")
+    points = replace(new, equilibrium=pointed(setting, new.equilibrium, order))
+    obstacle = setting.obstacle(path.frame(where))
+    free = replace(old.equilibrium, state=_free(setting, obstacle, old), obstacle=obstacle)
+    return joined(setting, path, Along(where, free), points, order)
+
+
+def _free(setting: Setting, obstacle: Obstacle, old: Along) -> State:
+    """The finger that nothing touches, at a pose near to one where it is free: the same, unless its loads change."""
+    state = old.equilibrium.state
+    if setting.loads is None or setting.loads.steady:
+        return state
+    return unloaded(setting, obstacle, state.beam.order, state).state
+
+
+def touched_at(setting: Setting, path: Path, old: Along, stop: float) -> float:
+    """Where the free finger is touched first."""
+
+    def least(parameter: float) -> float:
+        obstacle = setting.obstacle(path.frame(parameter))
+        state = _free(setting, obstacle, old)
+        found = least_gaps(setting, obstacle, state, survey(setting, obstacle, state, brief=True))
+        return min((gap for gap, _ in found), default=1.0) + _GRAZED
+
+    return bracketed(least, old.parameter, stop)
+
+
+def head_on(setting: Setting, path: Path, straight: Along, parameter: float) -> bool:
+    """Whether the straight finger is met on its end face, where it is a strut."""
+    state, obstacle = straight.equilibrium.state, setting.obstacle(path.frame(parameter))
+    gaps = least_gaps(setting, obstacle, state, survey(setting, obstacle, state, brief=True))
+    site = min(gaps, key=lambda gap: gap[0], default=(0.0, None))[1]
+    return site is not None and site.kind == "tangent" and setting.outline.place(site.piece, np.zeros(1))[0] == "tip"
+
+
+def _same(setting: Setting, touched: Site, site: Site) -> bool:
+    """Whether a first contact, or the corner that it is at, is a contact of the next pose."""
+    piece = touched.piece
+    if touched.kind == "tangent":
+        corner = setting.outline.corner_at(piece, touched.place[0])
+        piece = piece if corner is None else corner
+    return piece == site.piece and touched.vertex == site.vertex

@@ -1,0 +1,297 @@
+"""Following an equilibrium with friction: contacts slip and stick, and remember.
+
+Every step is first taken with the holds that the contacts have. Where at its end a contact slips against its sense,
+or sticks with more than mu, the step ends where that begins: the slip's rate, or mu less the ratio, has its root
+there. The hold changes at that point of the motion, so that no answer depends on how far apart the poses are.
+"""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import replace
+
+import numpy as np
+
+from gripper.contact.features import Feature, features, gone_and_come, named
+from gripper.motion.branch import STILL, Along
+from gripper.motion.events import Change, touched_at
+from gripper.motion.holding import changing, decided, excess
+from gripper.motion.ledger import BALANCED, Ledger
+from gripper.motion.locking import check_locked
+from gripper.motion.others import other_solutions
+from gripper.motion.tracker import Tracker
+from gripper.motion.work import booked, dips
+from gripper.result import PoseResult
+from gripper.results.loop import Loop
+from gripper.statics.answer import Answer
+from gripper.statics.balance import Balance
+from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, State
+from gripper.statics.holds import coefficient, grip_of, leaders, overdue, ratio_rate, regripped, slip_rates, tangent
+from gripper.statics.verified import Verified, untouched, verify
+
+_NUDGE = 1e-7  # of L: how far beyond the first touch the first hold is decided
+_FINE = 1e-2  # of L: shorter steps are not cut for their balance
+_CHANGING = 0.01  # of L: the longest step in which a patch comes or goes, or that ends free of the object
+_BEYOND = 1.5  # of the way to where a contact starts to slip, by the tangent
+_LEAST = 1e-4  # of a step
+_SHORTEST = 1e-6  # of L: shorter steps are not cut for a hold
+_MOST = 8  # snaps on the way to one pose
+_ALMOST = 1.05  # a contact that sticks this near to locking does not get away from it
+
+
+class FrictionTracker(Tracker):
+    """A tracker whose contacts slip and stick."""
+
+    heading = 0.0
+    """Sign of the way along the parameter; 0 before the first step."""
+    _snaps = 0
+    _switched: frozenset[tuple[int, float, int]] | set[tuple[int, float, int]] = frozenset()
+
+    @functools.cached_property
+    def ledger(self) -> Ledger:
+        """Work put in and energy lost so far, and the largest forces."""
+        return Ledger(self.setting, self.path)
+
+    def begin(self, heading: float) -> None:
+        """A motion that starts in contact: the contacts hold as if it had come that way."""
+        self.heading = heading
+        law = self.setting.friction
+        state = self.current.equilibrium.state
+        if law is None or not state.sites:
+            return
+        dressing = replace(state, sites=law.dressed((), state.sites))
+        self.current = self._decided(self._at(self.parameter, dressing))
+
+    def _step(self, following: float) -> None:
+        heading = float(np.sign(following - self.parameter))
+        if not self.sites:
+            self._meet(following)
+            self.heading = heading
+            return
+        if self._travel(self.parameter, following) < STILL:
+            self.parameter, self.current = following, self._at(following, self.current.equilibrium.state)
+            return
+        if heading != self.heading:
+            self._turn(heading)
+        check_locked(self.setting, self.current.equilibrium, heading)
+        following = self._within_stick(following)
+        found = self._followed(following)
+        found = self._decided(found)
+        late = overdue(found.equilibrium, heading)
+        if late:
+            self._change_hold(found, following, late)
+            return
+        if self._coarse(found, following):
+            self._step((self.parameter + following) / 2)
+            return
+        self._accept(following, found)
+
+    def _decided(self, found: Verified) -> Verified:
+        """Contacts that came without a hold get the one that is consistent."""
+        return decided(self.setting, found, self.heading, self.order)
+
+    def _within_stick(self, following: float) -> float:
+        """No further than a little beyond where a contact that sticks reaches mu, or lets go: beyond it runs away."""
+        equilibrium, way = self.current.equilibrium, abs(following - self.parameter)
+        stuck = [i for i in leaders(equilibrium) if grip_of(equilibrium, i).hold == "stick"]
+        if not stuck:
+            return following
+        reach = way
+        for i in stuck:
+            rate = ratio_rate(equilibrium, i) * self.heading
+            room = coefficient(equilibrium, i) - float(np.sign(rate)) * grip_of(equilibrium, i).ratio
+            reach = min(reach, max(_BEYOND * room / abs(rate), _LEAST * way) if rate else reach)
+        if len(equilibrium.state.sites) > 1:  # those that stick on one edge press on each other as fast
+            loads, rates = equilibrium.state.multipliers, tangent(equilibrium)[1] * self.heading
+            falling = rates < 0
+            reach = min([reach, *np.maximum(-_BEYOND * loads[falling] / rates[falling], _LEAST * reach)])
+        return following if reach >= way else self.parameter + self.heading * reach
+
+    def _found(self, following: float, guess: State) -> Verified:
+        """Where contacts stick, those that would have to pull let go: without friction others might."""
+        keep = [bool(load.max() > 0) for load in guess.loads]
+        if any(site.grip and site.grip.hold == "stick" for site in guess.sites) and any(keep) and not all(keep):
+            try:
+                return self._at(following, guess.keeping(keep))
+            except NoEquilibriumError:
+                pass  # the set is another one
+        return super()._found(following, guess)
+
+    def _coarse(self, found: Verified, following: float) -> bool:
+        """Whether a hold may change and change back within the step, or its work does not balance."""
+        old, new, way = self.current.equilibrium, found.equilibrium, following - self.parameter
+        travel = self._travel(self.parameter, following)
+        if holds(old) != holds(new):
+            spread = any(site.kind in ("patch", "tail") for site in (*old.state.sites, *new.state.sites))
+            return travel > (_CHANGING if spread or not new.state.sites else 3 * _CHANGING)
+        if travel < _FINE:
+            return False
+        start = self.ledger.pace(Along(self.parameter, old), self.heading)
+        stop = self.ledger.pace(Along(following, new), self.heading)
+        step = booked(Balance(), start, stop, way)
+        stored = new.stored - old.stored
+        if abs(step.imbalance(Balance(), stored)) > BALANCED * (abs(stored) + step.loss):
+            return True
+        return dips(start, stop, way)
+
+    def _accept(self, following: float, found: Verified) -> None:
+        """Go on, and book work and dissipation."""
+        before, known = Along(self.parameter, self.current.equilibrium), len(self.changes)
+        super()._accept(following, found)
+        kinds = ("touch", "change", "release")
+        broken = [change.parameter for change in self.changes[known:] if change.kind in kinds]
+        self.ledger.book(before, Along(following, found.equilibrium), broken, self.heading, self.order)
+
+    def _meet(self, following: float) -> None:
+        """The finger is free: go on to the first touch, and decide there how it holds."""
+        free = self._free(following, self.current.equilibrium.state)
+        if untouched(self.setting, free):
+            self.parameter, self.current = following, free
+            return
+        start, here = self.parameter, Along(self.parameter, self.current.equilibrium)
+        touch = touched_at(self.setting, self.path, here, following)
+        rest = self._travel(touch, following)
+        near = touch + (following - touch) * _NUDGE / rest if rest > _NUDGE else following
+        self.heading = float(np.sign(following - start))
+        before = 2 * touch - near
+        if (before - start) * self.heading > 0:  # so that the touch is located on a short step
+            self.parameter, self.current = before, self._free(before, self.current.equilibrium.state)
+        found = None
+        try:
+            found = self._decided(self._touched(near))
+        except NoEquilibriumError:
+            if near == following:
+                raise
+        if found is None or not found.equilibrium.state.sites:
+            near = following
+            found = self._decided(self._touched(near))
+        self._accept(near, found)
+
+    def _turn(self, heading: float) -> None:
+        """Where the motion turns, slip that would go against its sense stops: the contact sticks."""
+        self.heading = heading
+        equilibrium = self.current.equilibrium
+        rates = slip_rates(equilibrium)
+        for i in leaders(equilibrium):
+            grip = grip_of(equilibrium, i)
+            if grip.hold == "slip" and rates[i] * heading * grip.sense <= 0:
+                equilibrium = regripped(self.setting, equilibrium, i, 0, self.order)
+                self._tell("stick", equilibrium, i, "the motion turns")
+        self.current = replace(self.current, equilibrium=equilibrium)
+
+    def _snap(self, following: float, error: NoEquilibriumError) -> None:
+        """Beyond the last equilibrium: the finger is all but locked, or it snaps, and its contacts slip anew."""
+        equilibrium = self.current.equilibrium
+        check_locked(self.setting, equilibrium, self.heading, _ALMOST)
+        self._snaps += 1
+        if self._snaps > _MOST:
+            raise NoEquilibriumError(f"the finger snaps again and again: {error}") from error
+        before = Along(self.parameter, equilibrium)
+        super()._snap(following, error)
+        if self.sites:
+            self.current = self._decided(self.current)
+        self.ledger.fall(before, Along(self.parameter, self.current.equilibrium), self.heading)
+
+    def advance(self, target: float) -> Answer:
+        """Follow the path to a value of its parameter.
+
+        Raises
+        ------
+        NoEquilibriumError
+            Where no equilibrium could be followed that far; the tracker stays at the last one it found.
+        LockedError
+            Where friction holds the finger for any force.
+        """
+        self._snaps = 0
+        return super().advance(target)
+
+    # what is told of it
+
+    def account(self, pose: PoseResult) -> PoseResult:
+        """The pose with work and dissipation since the motion began, and with the other solutions that there are."""
+        if pose.status not in ("contact", "free"):
+            return pose
+        unit, balance = self.setting.sections.energy_scale, self.ledger.balance
+        others = other_solutions(self.setting, self.current.equilibrium, self.heading)
+        checks = replace(pose.checks, other_solutions=others)
+        return replace(pose, work=balance.work * unit, dissipation=balance.loss * unit, checks=checks)
+
+    def loop(self) -> tuple[Loop | None, list[Equilibrium | None]]:
+        """The loop so far, and the equilibria at its peaks, where they are known; None without contact."""
+        unit, balance = self.setting.sections.energy_scale, self.ledger.balance
+        tops = [peak.located(self.setting, self.path, self.order) for peak in self.ledger.peaks[:2]]
+        if not tops:
+            return None, []
+        there, back = tops[0], tops[1] if len(tops) > 1 else None
+        loop = Loop(
+            peak_insertion_force=there.force * unit,
+            peak_insertion_parameter=there.parameter,
+            peak_retention_force=back.force * unit if back else None,
+            peak_retention_parameter=back.parameter if back else None,
+            ratio=back.force / there.force if back and there.force > 0 else None,
+            work_in=balance.put_in * unit,
+            work_out=balance.given_back * unit,
+            dissipation=balance.loss * unit,
+        )
+        return loop, [top.equilibrium for top in tops]
+
+    def _tell(self, kind: str, equilibrium: Equilibrium, i: int, why: str) -> None:
+        if self.events:
+            where = named(self.setting.outline, equilibrium.state.sites[i])
+            self.changes.append(Change(self.parameter, kind, f"{where}: {why}" if why else where))  # type: ignore[arg-type]
+
+    # changes of hold
+
+    def _change_hold(self, found: Verified, following: float, late: list[int]) -> None:
+        """Go to where the first contact changes its hold, and change it."""
+        old = self.current.equilibrium
+        if any(gone_and_come(old.state.sites, found.equilibrium.state.sites)):
+            self._halve(found, following)
+            return
+        ends = Along(self.parameter, old), Along(following, found.equilibrium)
+        where, i, branch = changing(self.setting, self.path, *ends, late, self.heading, self.order)
+        if where == self.parameter:
+            self._switch(i, excess(found.equilibrium, i))
+            return
+        before = verify(self.setting, branch.at(where))
+        self._accept(where, before)
+        self._switch(i, excess(found.equilibrium, i))
+
+    def _halve(self, found: Verified, following: float) -> None:
+        """Contacts change in the same step: take half of it."""
+        if self._travel(self.parameter, following) < _SHORTEST:
+            self._accept(following, found)
+            for i in overdue(found.equilibrium, self.heading):
+                self._switch(i, excess(found.equilibrium, i))
+            return
+        self._step((self.parameter + following) / 2)
+
+    def _switch(self, i: int, bound: float) -> None:
+        """Change the hold of a contact here: slip to stick, or stick to slip.
+
+        Where a contact would stick only with more than mu at once, it slips the other way.
+
+        Raises
+        ------
+        NoEquilibriumError
+            Where no hold is consistent.
+        """
+        equilibrium = self.current.equilibrium
+        grip = grip_of(equilibrium, i)
+        sense = 0 if grip.hold == "slip" else -int(bound)
+        why = ""
+        if sense and (i, self.parameter, sense) in self._switched:
+            sense, why = -sense, "the other way"
+        if (i, self.parameter, sense) in self._switched:
+            raise NoEquilibriumError("no hold of a contact is consistent with Coulomb's law")
+        self._switched = {at for at in self._switched if at[1] == self.parameter}
+        self._switched |= {(i, self.parameter, grip.sense), (i, self.parameter, sense)}
+        found = regripped(self.setting, equilibrium, i, sense, self.order)
+        self.current = verify(self.setting, found)
+        self._tell("slip" if sense else "stick", found, i, why)
+
+
+def holds(equilibrium: Equilibrium) -> list[tuple[Feature, str | None]]:
+    """What touches and how it holds."""
+    sites = equilibrium.state.sites
+    return [(feature, getattr(sites[i].grip, "hold", None)) for feature, i in features(sites).items()]

@@ -1,0 +1,119 @@
+"""A contact goes over to the next: where it reaches the end of its piece, or the object rolls on to another corner."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gripper.contact.features import Feature
+from gripper.contact.site import Site
+from gripper.motion.branch import SHARP, Along, Branch, Path, bracketed, joined, number, released
+from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting
+from gripper.statics.nearby import vertex_height
+from gripper.statics.snap import distance
+
+_SHORT = 0.999  # of the way to an end that must not be passed
+_STEPS = 30
+_OVERSHOT = 1.0  # of a step: a contact may have been kept beyond the end of its piece, within the penetration allowed
+_ROLLED = 1e-3  # of L: the same where an object rolls over a corner: between corners its side touches, too
+_ROLLS = 0.25  # of a step: the same from corner to corner
+_BESIDE = 1e-6  # of L: how far from a corner its side is looked at
+_SHORTLY = 1e-2  # of a step
+_MEETING = 1e-9  # of L: where pieces of the outline meet
+
+
+def adjacent(setting: Setting, lost: Feature, won: Feature) -> bool:
+    """Whether a contact may roll on: to the corner at an edge's end, or back; to another of the object's corners."""
+    if "corner" not in (lost[0], won[0]) and lost[2] != won[2]:
+        return lost[1] == won[1]  # the object rolls along a face, from its corner on to its side or to the next corner
+    if (lost[0] == "corner") == (won[0] == "corner") and lost[0] != "vertex":
+        return False
+    return setting.outline.meet(lost[1], won[1])
+
+
+def changed(setting: Setting, path: Path, old: Along, new: Along, lost: Feature, won: Feature, order: int) -> float:
+    """A contact that has a place on its piece tells by its reaching the end; a corner by its multiplier."""
+    if lost[0] == won[0] == "vertex" and lost[1] == won[1]:
+        return _rolled(setting, path, old, new, won, order)
+    if "corner" not in (lost[0], won[0]) and lost[0] != won[0]:
+        return _turned(setting, path, (old, new) if lost[0] == "vertex" else (new, old), (lost, won), order)
+    if lost[0] != "corner":
+        return _departed(setting, path, old, new, (lost, won), order)
+    if won[0] != "corner" and not any(site.kind == "tail" for site in old.equilibrium.state.sites):
+        return _departed(setting, path, new, old, (won, lost), order)
+    return released(setting, path, old, new, lost, order)
+
+
+def _departed(
+    setting: Setting, path: Path, known: Along, other: Along, pair: tuple[Feature, Feature], order: int
+) -> float:
+    """Where a contact's place reaches the end of its piece, on to another: steps that stop a little short of it."""
+    i = number(known, pair[0])
+    if not known.equilibrium.state.sites[i].unknown_places:
+        raise NoEquilibriumError("a contact without a place of its own ends")
+    distant = setting.outline.ends(pair[0][1])[-1]
+    far = min(abs(distant - end) for end in setting.outline.ends(pair[1][1])) < _MEETING
+    branch, at, short = Branch(setting, path, known, order), known.parameter, _SHORT
+    stop, way = other.parameter, other.parameter - known.parameter
+    for _ in range(_STEPS):
+        ahead, rate = _from_end(setting, branch.at(at), i, far)
+        step = -ahead / rate * short if rate else way
+        if abs(step) <= SHARP * abs(way):
+            return joined(setting, path, Along(at, branch.at(at)), other, order)
+        if not 0 <= (at + step - known.parameter) / way <= 1 + _OVERSHOT:
+            step = stop + _OVERSHOT * way - at if step * way > 0 else known.parameter - at
+            if abs(step) <= SHARP * abs(way):
+                raise NoEquilibriumError("a contact reaches the end of its face or edge beyond the step")
+        try:
+            branch.at(at + step)
+            at, short = at + step, _SHORT
+        except NoEquilibriumError:
+            short /= 2
+    raise NoEquilibriumError("a contact does not reach the end of its face or edge")
+
+
+def _from_end(setting: Setting, equilibrium: Equilibrium, i: int, far: bool) -> tuple[float, float]:
+    """How far a contact is from an end of its piece, the far one or the near one, and the rate of that."""
+    sites = equilibrium.state.sites
+    site, first = sites[i], sum(site.unknowns for site in sites[:i])
+    rates = equilibrium.tangent()[2][first : first + site.unknown_places]
+    if far:
+        return setting.outline.pieces[site.piece].length - site.place[-1], -float(rates[-1])
+    return site.place[0], float(rates[0])
+
+
+def _rolled(setting: Setting, path: Path, old: Along, new: Along, won: Feature, order: int) -> float:
+    """Where the object's next corner comes down on a face."""
+    branch, place = Branch(setting, path, old, order), new.equilibrium.state.sites[number(new, won)].place[0]
+
+    def height(parameter: float) -> float:
+        there = branch.at(parameter)
+        return vertex_height(setting, there.obstacle, there.state.axis, Site("vertex", won[1], (place,), won[2]))
+
+    where = bracketed(height, old.parameter, new.parameter)
+    apart = max(_ROLLED, _ROLLS * distance(old.equilibrium.state, new.equilibrium.state))
+    return joined(setting, path, Along(where, branch.at(where)), new, order, apart)
+
+
+def _turned(
+    setting: Setting, path: Path, pair: tuple[Along, Along], contact: tuple[Feature, Feature], order: int
+) -> float:
+    """Where a face that turns about a corner of the object comes down on the side beside it."""
+    at_corner, beside = pair
+    corner, side = contact if contact[0][0] == "vertex" else contact[::-1]
+    branch, i = Branch(setting, path, at_corner, order), number(at_corner, corner)
+    known = beside.equilibrium
+    away = known.linear.points[number(beside, side)].mean() - known.obstacle.corners[corner[2]]
+    beginning = known.obstacle.corners[corner[2]] + away / abs(away) * _BESIDE
+    slope = complex(known.obstacle.slope(np.array([beginning]))[1][0]) / np.exp(1j * known.obstacle.frame.angle)
+
+    def turn(parameter: float) -> float:
+        there = branch.at(parameter)
+        pressing = complex(there.linear.forces[i].sum()) / np.exp(1j * there.obstacle.frame.angle)
+        return float((slope.conjugate() * pressing).imag)
+
+    where = bracketed(turn, at_corner.parameter, beside.parameter)
+    there, further = branch.at(where), where + _SHORTLY * (beside.parameter - where)
+    other = Branch(setting, path, beside, order).at(further)
+    if distance(there.state, other.state) > _ROLLED:
+        raise NoEquilibriumError("the step leads to another branch")
+    return where

@@ -1,0 +1,1 @@
+"""What an answer says: poses, peaks, summary, as plain data and as text."""

@@ -1,0 +1,1 @@
+"""One equilibrium: found, verified, and told in SI units."""

@@ -1,0 +1,125 @@
+"""From a verified equilibrium to plain numbers: forces, checks, the error estimate, the shape. SI, world frame."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+
+import numpy as np
+
+from gripper.arrays import Array, Complex
+from gripper.beam.strains import Beam
+from gripper.contact.kinematics import Placement
+from gripper.contact.linear import linearise
+from gripper.result import ErrorEstimate, PoseResult, Shape
+from gripper.results.kept import Kept
+from gripper.statics.applied import applied
+from gripper.statics.checked import checked, shortcoming
+from gripper.statics.clearance import clearance
+from gripper.statics.contact_forces import NO_FORCE, cross, drive, loads
+from gripper.statics.enriched import relative_change
+from gripper.statics.equilibrium import Equilibrium, Setting
+from gripper.statics.profile import Profile, largest_strain, profile, unknown
+from gripper.statics.reported import contacts, vector
+from gripper.statics.verified import Verified
+
+
+def discretisation_error(setting: Setting, equilibrium: Equilibrium) -> float:
+    """Relative error of the force vector: one Newton step of the system enriched by two orders, contacts fixed.
+
+    Of a finger that only its loads bend: of the tip's deflection.
+    """
+    state = equilibrium.state
+    if not state.sites and equilibrium.linear.push is None:
+        return 0.0
+    finer = Beam(setting.sections, state.beam.breaks, state.beam.order + 2, setting.theory)
+    enriched = dataclasses.replace(state, beam=finer, z=finer.embed(state.beam, state.z))
+    lin = linearise(finer, enriched.z, setting.outline, equilibrium.obstacle, state.sites, state.multipliers)
+    return relative_change(equilibrium, enriched, lin)
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """A pose's verified equilibrium with its error estimate."""
+
+    verified: Verified
+    error: float
+    seconds: float
+    iterations: int
+
+
+def pose_result(setting: Setting, answer: Answer, parameter: float | None, placement: Placement) -> PoseResult:
+    """The plain numbers of a pose; failed where a check is not met."""
+    seen = profile(setting, answer.verified.equilibrium.state)
+    checks = checked(setting, answer.verified, seen)
+    reason = shortcoming(checks) or unknown(setting, answer.verified.equilibrium.state, seen)
+    if reason:
+        return PoseResult.failed(parameter, reason, answer.iterations, answer.seconds)
+    scales, equilibrium = setting.sections, answer.verified.equilibrium
+    state = equilibrium.state
+    force = -equilibrium.force * scales.force_scale
+    turn = placement.turn
+    points, forces = loads(equilibrium)
+    free = float(np.max(np.abs(forces), initial=0.0)) <= NO_FORCE
+    moment = -cross(points - equilibrium.obstacle.frame.origin, forces)
+    tip = seen.drawn.stop - 1
+    strain, strain_s = largest_strain(setting, equilibrium)
+    return PoseResult(
+        parameter=parameter,
+        status="free" if free else "contact",
+        force_on_object=vector(turn * force),
+        force_on_object_finger_frame=vector(force),
+        moment_on_object=moment * scales.energy_scale,
+        motion_force=None if parameter is None else drive(equilibrium) * scales.energy_scale,
+        clamp_moment=_clamp_moment(equilibrium) * scales.energy_scale,
+        energy=state.energy * scales.energy_scale,
+        load_energy=_load_energy(setting, equilibrium),
+        tip=vector(placement.origin + turn * complex(seen.position[tip]) * scales.length),
+        tip_rotation=float(seen.psi[tip]),
+        max_strain=strain,
+        max_strain_s=None if free and not strain else strain_s * scales.length,
+        min_gap=clearance(setting, answer.verified) * scales.length,
+        contacts=() if free else contacts(setting, equilibrium, placement),
+        loads=applied(equilibrium, placement, scales),
+        checks=checks,
+        error=ErrorEstimate(discretisation=answer.error),
+        iterations=answer.iterations,
+        seconds=answer.seconds,
+        shape=_shape(setting, seen, placement),
+        kept=Kept(setting, equilibrium),
+    )
+
+
+def _clamp_moment(equilibrium: Equilibrium) -> float:
+    """EI psi'(0): of the contact forces and the loads about the clamp."""
+    moment, acting = cross(*loads(equilibrium)), equilibrium.obstacle.acting
+    if acting is None:
+        return moment
+    return moment + float(acting.beyond(equilibrium.state.axis, np.zeros(1), np.zeros(1, dtype=np.intp))[1][0])
+
+
+def _load_energy(setting: Setting, equilibrium: Equilibrium) -> float | None:
+    """The loads' potential, in J, where all have one."""
+    push = equilibrium.linear.push
+    return push.potential * setting.sections.energy_scale if push is not None and push.conservative else None
+
+
+def _shape(setting: Setting, seen: Profile, placement: Placement) -> Shape:
+    length, jaw = setting.sections.length, setting.outline.jaw
+    position, half = seen.position[seen.drawn], seen.half[seen.drawn]
+    section = np.exp(1j * seen.psi[seen.drawn])
+    across = 1j * half * section
+
+    def world(points: Complex) -> Array:
+        placed = placement.origin + placement.turn * length * points
+        return placed.view(float).reshape(-1, 2)
+
+    return Shape(
+        axis=world(position),
+        lower=world(position - across),
+        upper=world(position + across),
+        strain=np.abs(seen.kappa[seen.drawn]) * half,
+        jaw=None if jaw is None else world(position[-1] + jaw * section[-1]),
+        clamp_pose=placement.clamp,
+        object_pose=placement.object,
+    )

@@ -1,0 +1,111 @@
+"""Where finger and object come near one another: candidates for contacts, least gaps, corners over faces."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gripper.arrays import Array
+from gripper.beam.axis import Axis
+from gripper.contact.obstacle import Obstacle
+from gripper.contact.outline import LOWER, UPPER, dot
+from gripper.contact.site import Site
+from gripper.statics.certificate import Survey
+from gripper.statics.equilibrium import Setting, State
+from gripper.statics.problem import Candidate, Problem
+
+_FEET = 6  # Newton steps to the foot of a normal
+_GRAZED = 0.05  # of L: how much wider than the least sampled gap is looked at
+
+
+def least_gaps(setting: Setting, obstacle: Obstacle, state: State, found: Survey) -> list[tuple[float, Site]]:
+    """The gaps of the places that come nearest to the object, by L: negative where it penetrates, however little."""
+    # what lies between two samples may be this much nearer
+    unseen = float(np.max(found.pieces.u1 - found.pieces.u0)) / 2
+    candidates = near(setting, obstacle, state, found, max(found.min_gap, 0.0) + _GRAZED + unseen)
+    if not candidates:
+        return []
+    problem = Problem(setting, obstacle, state, candidates)
+    gaps = problem.gaps(problem.x0) / setting.sections.length
+    return list(zip(gaps.tolist(), problem.sites(problem.x0), strict=True))
+
+
+def near(setting: Setting, obstacle: Obstacle, state: State, found: Survey, reach: float) -> tuple[Candidate, ...]:
+    """Candidates within reach (by L) of the object: stretches segment by segment, corners on both sides."""
+    cornered = len(obstacle.corners) > 0
+    candidates = [] if cornered else _stretches(setting, state, found, reach)
+    axis = state.axis
+    outline = setting.outline
+    numbers = np.array([outline.corner_piece(i) for i in range(len(outline.corners))], dtype=np.intp)
+    if len(numbers):
+        last = np.full(len(numbers), state.beam.segments - 1)
+        points, *_ = outline.trace(axis, numbers, np.zeros(len(numbers)), last)
+        gaps = obstacle.gap(points)
+        candidates += [Candidate("corner", int(n)) for n, gap in zip(numbers, gaps, strict=True) if gap < reach]
+    return tuple(candidates) + (_vertices(setting, obstacle, axis, found, reach) if cornered else ())
+
+
+def _stretches(setting: Setting, state: State, found: Survey, reach: float) -> list[Candidate]:
+    pieces, least = found.pieces, np.minimum(found.gaps, found.depths).min(axis=0)
+    out: dict[tuple[int, int], Candidate] = {}
+    for i in np.flatnonzero(least < reach):
+        piece, segment = int(pieces.piece[i]), int(pieces.segment[i])
+        if piece <= UPPER:
+            ends = state.beam.breaks[segment], state.beam.breaks[segment + 1]
+        else:
+            segment, ends = -1, (0.0, setting.outline.pieces[piece].length)
+        out[piece, segment] = Candidate("stretch", piece, *ends)
+    return list(out.values())
+
+
+def _vertices(setting: Setting, obstacle: Obstacle, axis: Axis, found: Survey, reach: float) -> tuple[Candidate, ...]:
+    """The object's corners that come nearest to a piece: lower than both their neighbours on the object."""
+    out: list[Candidate] = []
+    for piece, heights in vertex_heights(setting, obstacle, axis, found).items():
+        lowest = (heights <= np.roll(heights, 1)) & (heights <= np.roll(heights, -1)) & (heights < reach)
+        length = setting.outline.pieces[piece].length
+        out += [Candidate("vertex", piece, 0.0, length, int(number)) for number in np.flatnonzero(lowest)]
+    return tuple(out)
+
+
+def vertex_heights(setting: Setting, obstacle: Obstacle, axis: Axis, found: Survey) -> dict[int, Array]:
+    """Distance of each of the object's corners outside each piece, by L: negative where it has sunk through it.
+
+    Infinite for a corner that has sunk so deep, or is behind a piece so far, that it belongs to another one.
+    """
+    pieces = found.pieces
+    points, tangents, _ = setting.outline.trace(axis, pieces.piece, pieces.u0, pieces.segment)
+    along = tangents / np.abs(tangents)
+    away = obstacle.corners[:, None] - points[None, :]
+    foot = np.clip(dot(away, along), 0.0, (pieces.u1 - pieces.u0) * np.abs(tangents))
+    distances = np.abs(away - foot * along)
+    heights = dot(away, -1j * along * np.where(pieces.piece == UPPER, -1.0, 1.0))
+    nearest, each = pieces.piece[np.argmin(distances, axis=1)], np.arange(len(away))
+    out = {}
+    for piece in np.unique(pieces.piece).tolist():
+        mine = np.flatnonzero(pieces.piece == piece)
+        closest = mine[np.argmin(distances[:, mine], axis=1)]
+        height = heights[each, closest]
+        deepest = _half_thickness(setting, piece, pieces.u0[closest])
+        sunk = np.where((nearest == piece) & (-height < deepest), height, np.inf)
+        out[piece] = np.where(height < 0, sunk, distances[each, closest])
+    return out
+
+
+def vertex_height(setting: Setting, obstacle: Obstacle, axis: Axis, site: Site) -> float:
+    """How far one of the object's corners is outside a piece, by L, near a place there; negative: sunk in."""
+    piece, u, corner = np.array([site.piece]), np.array(site.place), obstacle.corners[site.vertex]
+    end = setting.outline.pieces[site.piece].length
+    place, tangent = 0j, 1 + 0j
+    for _ in range(_FEET):
+        segment = axis.beam.segment_of(u) if site.on_face else np.array([axis.beam.segments - 1])
+        place, tangent = (complex(v[0]) for v in setting.outline.trace(axis, piece, u, segment)[:2])
+        u = np.clip(u + ((corner - place) * tangent.conjugate()).real / abs(tangent) ** 2, 0.0, end)
+    outward = -1j * tangent / abs(tangent) * (-1.0 if site.piece == UPPER else 1.0)
+    return float(((corner - place) * outward.conjugate()).real)
+
+
+def _half_thickness(setting: Setting, piece: int, u: Array) -> Array:
+    """How deep a corner may have sunk through a piece and still belong to it."""
+    if piece in (LOWER, UPPER):
+        return setting.sections.thickness(u) / 2
+    return np.full(u.shape, setting.outline.pieces[piece].length / 2)

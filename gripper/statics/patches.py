@@ -1,0 +1,183 @@
+"""With shear a force spreads: points of contact become patches, patches points, and the pressure gets its modes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from gripper.beam.strains import legendre
+from gripper.contact.linear import linearise
+from gripper.contact.obstacle import Obstacle
+from gripper.contact.site import NARROW, WIDE, Site
+from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, settle
+
+PATCH = 2e-5  # of L: narrower patches are points (the mean tangent's error falls with the square of the width)
+_POINTLIKE = 5 * PATCH
+FLUSH = 2.0  # of sqrt(EI / GA): where a patch would be wider, the finger lies flush on a flat
+_WIDTHS = (
+    (0.3, NARROW),
+    (0.8, 3),
+    (2.2, 4),
+    (5.0, 6),
+    (np.inf, WIDE),
+)  # modes of a patch by its width over sqrt(EI / GA)
+_FLAT_WIDTHS = ((0.3, NARROW + 1), (np.inf, WIDE))  # the same on a flat, where it falls to nothing at the far end
+_STRAIGHT = 1e-9  # curvature times L
+DECAYED = 6.0  # of sqrt(EI / GA): as far as a pressure that decays is followed
+_LOOSE = 1.4  # by as much more or less a tail may reach before it is cut anew
+_LOOKS = 3  # each 32 times as close
+_TURNED = 1e-3  # rad: a flat that turns by more has ended
+
+
+def fit_patches(setting: Setting, equilibrium: Equilibrium) -> tuple[Site, ...]:
+    """The contacts with patches where shear makes them wide enough, points where it does not.
+
+    A point force N leaves gamma with a jump N / GA, over which the object's outline bends the finger's: it touches
+    over about N / (GA g''), g'' being the curvature of the gap. On a flat the finger lies flush beyond the point, and
+    the pressure decays over sqrt(EI / GA).
+    """
+    if setting.theory == "bending":
+        return equilibrium.state.sites
+    sites, column, after = [], 0, 0
+    for i, site in enumerate(equilibrium.state.sites):
+        column, after = after, after + site.unknowns
+        if site.kind == "tangent" and site.on_face:
+            force = abs(complex(equilibrium.linear.forces[i].sum()))
+            curvature = float(equilibrium.linear.residual_slopes[column, column])
+            site = _patch(setting, equilibrium, site, force, curvature)
+        elif site.kind == "patch" and site.place[1] - site.place[0] < PATCH / 2:
+            site = replace(site, kind="tangent", place=(site.middle,), modes=1)
+        elif site.kind in ("patch", "tail"):
+            flat = site.kind == "tail" and lies_flat(setting, equilibrium.obstacle, equilibrium.state, site)
+            site = _reaching(setting, equilibrium, site) if flat else site
+            modes, fewer = (pressure_modes(setting, site, flat=flat, slack=slack) for slack in (1.0, _LOOSE))
+            if modes > site.modes or fewer < site.modes:  # down later than up
+                site = replace(site, modes=modes)
+        sites.append(site)
+    return tuple(sites)
+
+
+def _reaching(setting: Setting, equilibrium: Equilibrium, site: Site) -> Site:
+    """A tail whose far end is where its pressure has decayed, or where its flat ends."""
+    reach = DECAYED * decay_length(setting, site.place[0])
+    width = site.place[1] - site.place[0]
+    if reach / _LOOSE <= width <= reach * _LOOSE:
+        return site
+    stop = flat_until(setting, equilibrium.obstacle, equilibrium.state, site, reach)
+    longer = stop - site.place[0] > width * _LOOSE
+    return replace(site, place=(site.place[0], stop)) if longer or width > reach else site
+
+
+def pressure_modes(setting: Setting, site: Site, *, flat: bool = False, slack: float = 1.0) -> int:
+    """How many pressure modes a patch needs: the pressure varies over sqrt(EI / GA)."""
+    width = (site.place[1] - site.place[0]) / decay_length(setting, site.middle) * slack
+    return next(modes for limit, modes in (_FLAT_WIDTHS if flat else _WIDTHS) if width < limit)
+
+
+def lies_flat(setting: Setting, obstacle: Obstacle, state: State, site: Site) -> bool:
+    """Whether the object has no curvature where a contact begins."""
+    place, piece = np.array(site.place[:1]), np.array([site.piece])
+    points, *_ = setting.outline.trace(state.axis, piece, place, state.beam.segment_of(place))
+    return float(np.abs(obstacle.curvature(points)[2]).max()) < _STRAIGHT
+
+
+def decay_length(setting: Setting, s: float) -> float:
+    """sqrt(EI / GA) at a section, by L."""
+    at = np.array([min(s, 1.0)])
+    return float(np.sqrt(setting.sections.EI(at) / setting.sections.GA(at))[0])
+
+
+def _patch(setting: Setting, equilibrium: Equilibrium, site: Site, force: float, curvature: float) -> Site:
+    """The patch that a point force on a face spreads to, or the point itself."""
+    place = np.array(site.place)
+    rigidity = float(setting.sections.GA(place)[0])
+    decay = decay_length(setting, site.place[0])
+    if force > rigidity * max(curvature, 0.0) * FLUSH * decay:
+        stop = flat_until(setting, equilibrium.obstacle, equilibrium.state, site, DECAYED * decay)
+        if stop - site.place[0] > FLUSH * decay:
+            return replace(site, kind="tail", place=(site.place[0] - decay / 2, stop), modes=WIDE)
+        return site
+    width = force / (rigidity * curvature)
+    if width < PATCH:
+        return site
+    start, stop = site.place[0] - width / 2, site.place[0] + width / 2
+    return replace(site, kind="patch", place=(max(start, 1e-6), stop), modes=NARROW)
+
+
+def flat_until(setting: Setting, obstacle: Obstacle, state: State, site: Site, reach: float) -> float:
+    """How far along its face a contact's flat goes on, within reach."""
+    start, stop = site.place[0], min(site.place[0] + reach, 1.0)
+    for _ in range(_LOOKS):
+        u = np.linspace(start, stop, 33)
+        points, *_ = setting.outline.trace(state.axis, np.full(u.size, site.piece), u, state.beam.segment_of(u))
+        _, normal = obstacle.slope(points)
+        turned = np.abs(normal / np.abs(normal) - normal[0] / abs(normal[0])) > _TURNED
+        if not turned.any():
+            return stop
+        start, stop = float(u[np.argmax(turned) - 1]), float(u[np.argmax(turned)])
+    return start
+
+
+def with_sites(state: State, sites: tuple[Site, ...]) -> State:
+    """The state with contacts of other kinds at the same places: multipliers carried over."""
+    multipliers: list[float] = []
+    first = 0
+    for old, new in zip(state.sites, sites, strict=True):
+        mine = state.multipliers[first : first + old.multipliers]
+        first += old.multipliers
+        kept = mine.tolist()[: new.multipliers] + [0.0] * (new.multipliers - old.multipliers)
+        multipliers += kept if (new.kind, new.place) == (old.kind, old.place) else spread(float(mine[0]), new)
+    return replace(state, sites=sites, multipliers=np.array(multipliers))
+
+
+def spread(force: float, site: Site) -> list[float]:
+    """First multipliers of a contact that carries a force: even over a short patch, decaying over a wide one."""
+    if site.modes <= 4:
+        return [force] + [0.0] * (site.modes - 1)
+    x, weights = np.polynomial.legendre.leggauss(24)
+    decaying = np.exp(-DECAYED * (x + 1) / 2)
+    modes = (2 * np.arange(site.modes) + 1) * (legendre(x, site.modes).T @ (weights * decaying))
+    return [float(value) for value in force * modes / modes[0]]
+
+
+def settle_contacts(setting: Setting, obstacle: Obstacle, state: State, order: int) -> Equilibrium:
+    """Settle, and again where a point must become a patch or a patch a point.
+
+    Raises
+    ------
+    NoEquilibriumError
+        Where Newton does not converge.
+    """
+    foreseen = _foreseen(setting, obstacle, state)
+    try:
+        found = settle(setting, obstacle, foreseen, order)
+    except NoEquilibriumError:
+        if foreseen is state:
+            raise
+        found = settle(setting, obstacle, state, order)
+    sites = fit_patches(setting, found)
+    if sites == found.state.sites:
+        return found
+    try:
+        again = settle(setting, obstacle, with_sites(found.state, sites), order)
+    except NoEquilibriumError:
+        if any(old.kind != new.kind and not _pointlike(new) for old, new in zip(found.state.sites, sites, strict=True)):
+            raise
+        return found  # a patch so narrow that Newton's method does not find its ends: a point is as good
+    total = found.iterations + again.iterations
+    return replace(again, iterations=total, correction=found.correction + again.correction)
+
+
+def _pointlike(site: Site) -> bool:
+    """Whether a patch is so narrow that the mean tangent of a point is as good."""
+    return site.kind == "patch" and site.place[1] - site.place[0] < _POINTLIKE
+
+
+def _foreseen(setting: Setting, obstacle: Obstacle, state: State) -> State:
+    """Points on faces as the short patches that they are going to be, so that Newton need not find the points first."""
+    if setting.theory == "bending" or not any(s.kind == "tangent" and s.on_face for s in state.sites):
+        return state
+    lin = linearise(state.beam, state.z, setting.outline, obstacle, state.sites, state.multipliers, kinks=False)
+    sites = fit_patches(setting, Equilibrium(state, obstacle, lin, 0))
+    return with_sites(state, sites) if all(site.kind != "tail" for site in sites) else state
