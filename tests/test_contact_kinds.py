@@ -316,6 +316,16 @@ def test_a_polygon_of_n_sides_becomes_its_circle_as_n_to_the_minus_2() -> None:
     assert (errors * sides**2 < 20).all()
 
 
+MANY = 2 * np.pi * np.arange(500) / 500
+
+
+@both_theories
+def test_a_polygon_of_500_sides_presses_like_its_circle(theory: str) -> None:
+    """Its sides are as short as the stretch over which shear spreads a force."""
+    sides = Polygon(vertices=tuple(map(tuple, (0.25 * np.column_stack([np.cos(MANY), np.sin(MANY)])).tolist())))
+    assert_same(answer(sides, 0.7, -0.15, theory=theory), answer(Circle(radius=0.25), 0.7, -0.15, theory=theory), 5e-3)
+
+
 @both_theories
 def test_a_spline_through_an_ellipse_s_points_becomes_the_ellipse(theory: str) -> None:
     """Four times the points: a fifteenth of the force's error, and more."""

@@ -131,13 +131,16 @@ def _as_set(chosen: list[tuple[Site, float]]) -> tuple[tuple[Site, ...], Array]:
 
 
 def violated(setting: Setting, obstacle: Obstacle, state: State, known: tuple[Candidate, ...]) -> tuple[Candidate, ...]:
-    """Candidates for the deepest penetrations: the object's corner that has sunk deepest there, or a short stretch."""
+    """Candidates for the deepest penetrations: the object's corner that has sunk deepest there, or short stretches.
+
+    Once that corner is out, the rest of its piece may be clear.
+    """
     found = survey(setting, obstacle, state)
     corners = _sunken(setting, obstacle, state, found, known)
-    out: list[Candidate] = []
+    penetrated = dict.fromkeys(piece for piece, _ in (*found.deepest, *found.sunken))
+    out = [corners[piece] for piece in penetrated if piece in corners]
     for piece, u in (*found.deepest, *found.sunken):
         if piece in corners:
-            out.append(corners.pop(piece))
             continue
         length = setting.outline.pieces[piece].length
         start, stop = max(u - _STRETCH, 0.0), min(u + _STRETCH, length)
