@@ -5,11 +5,7 @@ but cancel at the handbook's undercut. Mating force: over a real, sharp edge fri
 ramp, and bends the thin end back: 1.8 times the formula. Polycarbonate, half as thick at the tip, mu = 0.6.
 """
 
-from __future__ import annotations
-
-from dataclasses import replace
 from math import pi, radians, tan
-from pathlib import Path
 
 import sympy
 
@@ -22,45 +18,41 @@ from gripper_plugins.objects import Polygon
 L, h, b, undercut, lead, mu, E = 0.019, 0.00328, 0.0095, 0.0024, radians(30), 0.6, 1815e6
 DEFLECTION_FORCE = b * h**2 / 6 * E * 0.02 / L  # N, at a root strain of 2 %, which is that of the undercut
 MATING_FORCE = DEFLECTION_FORCE * (mu + tan(lead)) / (1 - mu * tan(lead))
-q, gap, nose = sympy.Symbol("q"), 0.0002, 0.001  # m
-SLAB = Polygon(vertices=((-0.0005, 0), (0.001, 0), (0.001, -0.002), (-0.0005, -0.002)))
+PARTS = (-0.01, 0.01, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5)  # of the undercut: how far the tip is lifted
+q, gap, nose, plastic = sympy.Symbol("q"), 0.0002, 0.001, gr.Material(youngs_modulus=E, poisson_ratio=0.37)  # m
+hook = {"base_thickness": h, "width": b, "material": plastic}
+
+slab = Polygon(vertices=((-0.0005, 0), (0.001, 0), (0.001, -0.002), (-0.0005, -0.002)))
+tip = PolygonJaw(vertices=((0, 0.0006), (nose, 0), (0, 0.0008)))  # rigid, instead of the last 1 mm: loads the axis
+cut = Tapered(length=L - nose, tip_thickness=h * (1 + nose / L) / 2, jaw=tip, **hook)
+lifted = {"object": slab.at(x=L, y=q), "motion": gr.Motion("q", tuple(undercut * part for part in PARTS))}
+jaw = Triangle(length=(undercut + gap) / tan(lead), lead_angle=lead, return_angle=pi / 2)
+mated = gr.Scene(
+    title="The hook on its mating edge",  # which goes along the lead face, under the hook's point, and past it
+    finger=Tapered(length=L, tip_thickness=h / 2, jaw=jaw, **hook),
+    object=slab.at(x=0.025 - q, y=-h / 4 - gap),
+    motion=gr.Motion.between("q", 0.0, 0.0075, 76),
+    theory="shear",
+    friction=gr.Friction(coefficient=mu),
+)
 
 
-def hook(length: float, jaw: gr.Jaw) -> Tapered:
-    """The handbook's beam, cut at this length, with a jaw."""
-    section, material = {"base_thickness": h, "width": b}, gr.Material(youngs_modulus=E, poisson_ratio=0.37)
-    return Tapered(length=length, tip_thickness=h * (1 - length / L / 2), jaw=jaw, material=material, **section)
-
-
-def lifted(theory: str) -> gr.Result:
-    """Lift the tip on its axis, by a rigid nose that replaces its last 1 mm, up to 1.5 times the undercut."""
-    finger = hook(L - nose, PolygonJaw(vertices=((0, 0.0006), (nose, 0), (0, 0.0008))))
-    motion = gr.Motion("q", tuple(undercut * part for part in (-0.01, 0.01, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5)))
-    return gr.trace(gr.Scene(finger=finger, object=SLAB.at(x=L, y=q), motion=motion, theory=theory))
-
-
-def mated() -> gr.Result:
-    """Push a slab over the hook, with friction: its edge along the lead face, the hook's point over it, and past it."""
-    jaw = Triangle(length=(undercut + gap) / tan(lead), lead_angle=lead, return_angle=pi / 2)
-    slab, motion = SLAB.at(x=0.025 - q, y=-h / 4 - gap), gr.Motion.between("q", 0.0, 0.0075, 76)
-    scene = gr.Scene(title="The hook on its mating edge", finger=hook(L, jaw), object=slab, motion=motion)
-    return gr.trace(replace(scene, theory="shear", friction=gr.Friction(coefficient=mu)))
-
-
-def main(folder: str | Path = "out/snap_hook") -> dict[str, gr.Result]:
+def main(folder: str = "out/snap_hook") -> dict[str, gr.Result]:
     """Lift it with and without shear, and push it over the edge; draw that into the folder."""
-    results = {"bending": lifted("bending"), "bending and shear": lifted("shear"), "mating": mated()}
-    ratios = {}
-    for name in ("bending", "bending and shear"):
-        parts = [pose.parameter / undercut for pose in results[name].poses[1:]]
-        forces = [-pose.force_on_object[1] / DEFLECTION_FORCE for pose in results[name].poses[1:]]
-        ratios[name] = parts, [force / part for force, part in zip(forces, parts, strict=True)]
-    mating = compare({"this edge": results["mating"]}, "motion_force", levels={"handbook": MATING_FORCE}, width=COLUMN)
-    ratio = chart(ratios, "deflection, over the undercut", "force, over the handbook's", levels={"handbook": 1.0})
-    Path(folder).mkdir(parents=True, exist_ok=True)
-    for name, figure in (("snap_hook", results["mating"].filmstrip()), ("mating", mating), ("deflection", ratio)):
-        figure.savefig(Path(folder, f"{name}.png"))
-    return results
+    theories, ratios = {"bending": "bending", "bending and shear": "shear"}, {}
+    results = {name: gr.trace(gr.Scene(finger=cut, theory=theory, **lifted)) for name, theory in theories.items()}
+    for name, result in results.items():
+        forces = [-pose.force_on_object[1] / DEFLECTION_FORCE for pose in result.poses[1:]]
+        ratios[name] = PARTS[1:], [force / part for force, part in zip(forces, PARTS[1:], strict=True)]
+    chart(ratios, "deflection, over the undercut", "force, over the handbook's", levels={"handbook": 1.0}).savefig(
+        f"{folder}/deflection.png"
+    )
+    mating = gr.trace(mated)
+    compare({"this edge": mating}, "motion_force", levels={"handbook": MATING_FORCE}, width=COLUMN).savefig(
+        f"{folder}/mating.png"
+    )
+    mating.filmstrip().savefig(f"{folder}/snap_hook.png")
+    return results | {"mating": mating}
 
 
 if __name__ == "__main__":

@@ -20,7 +20,7 @@ SPEC.loader.exec_module(MODULE)
 
 def test_behind_a_stick_tresca_problems_need_short_steps(tmp_path):
     """What does not depend on the steps is shown in tests/test_friction.py."""
-    coarse, fine = MODULE.main(tmp_path, (2, 4))
+    coarse, fine = MODULE.main(tmp_path, (6, 12))
     assert coarse.force_difference > 0.1  # it finds stick where slip has already turned
     assert fine.force_difference < 0.02
     assert 2 < fine.rounds < 7

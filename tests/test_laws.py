@@ -28,7 +28,7 @@ from gripper.scenefile import SceneFileError, dumps, loads, read
 from gripper.solve import AXIAL, UNLOADING
 from gripper.study.published import solve_as_published
 from gripper.study.shooting import NoReferenceError, shooting
-from gripper.verify import verify
+from gripper.verify import overview, verify
 from gripper.verify.material import Law as ElementLaw
 from gripper_plugins.fingers import Tapered, Uniform
 from gripper_plugins.objects import Circle
@@ -411,7 +411,7 @@ def test_the_gallery_compares_every_law_with_its_elements(tmp_path: Path) -> Non
     assert set(found) == set(LARGE)
     assert {report.model.law for report in found.values()} == {"hencky", "svk", "neo_hookean"}
     assert all(report.largest_difference < 0.02 for report in found.values())  # of a coarse mesh
-    assert script["table"](found).count("%") == 2 * len(LARGE)
+    assert overview(found).count("%") == 2 * len(LARGE)
     assert (tmp_path / "material_laws.png").stat().st_size > 5000
 
 

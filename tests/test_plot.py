@@ -421,8 +421,8 @@ def test_a_figure_s_file_repeats_bit_for_bit(kind: str, tmp_path: pathlib.Path) 
     for draw in (lambda: motion([0.2, 0.9], jaw=True).filmstrip(), lambda: motion([0.2, 0.9]).curve()):
         figure = draw()
         for i, each in enumerate((figure, figure, draw())):
-            each.savefig(tmp_path / f"{i}.{kind}")
-        files = [(tmp_path / f"{i}.{kind}").read_bytes() for i in range(3)]
+            each.savefig(tmp_path / "made" / f"{i}.{kind}")
+        files = [(tmp_path / "made" / f"{i}.{kind}").read_bytes() for i in range(3)]
         assert files[0] == files[1] == files[2]
 
 

@@ -6,6 +6,7 @@ import io
 import os
 import textwrap
 from contextlib import AbstractContextManager
+from pathlib import Path
 from typing import Any
 
 import matplotlib.style
@@ -58,8 +59,11 @@ class Picture(Figure):
     """A figure in this style, which a notebook shows by itself, whatever backend it has chosen."""
 
     def savefig(self, fname: Any, **options: Any) -> None:
-        """Write it; the same figure gives the same SVG, PDF or PNG, bit for bit."""
-        ending = os.path.splitext(fname)[1][1:] if isinstance(fname, (str, os.PathLike)) else ""
+        """Write it, and its folder; the same figure gives the same SVG, PDF or PNG, bit for bit."""
+        ending = ""
+        if isinstance(fname, (str, os.PathLike)):
+            Path(fname).parent.mkdir(parents=True, exist_ok=True)
+            ending = Path(fname).suffix[1:]
         kind = str(options.get("format") or ending).lower()
         metadata = _UNDATED.get(kind, {}) | (options.pop("metadata", None) or {})
         with styled():

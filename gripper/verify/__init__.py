@@ -10,5 +10,6 @@ Shares the object's g and the profile with the solver, nothing else. Nothing in 
 from gripper.verify.compare import verify
 from gripper.verify.material import LawName
 from gripper.verify.report import Verification, VerifiedPose
+from gripper.verify.table import overview
 
-__all__ = ["LawName", "Verification", "VerifiedPose", "verify"]
+__all__ = ["LawName", "Verification", "VerifiedPose", "overview", "verify"]

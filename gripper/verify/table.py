@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from gripper.friction import Coefficients
@@ -25,6 +26,17 @@ def markdown(report: Verification) -> str:
     """The same in Markdown."""
     blocks = [["  \n".join(_head(report))], _piped(_forces(report)), _piped(_shapes(report)), _foot(report)]
     return "\n\n".join("\n".join(block) for block in blocks) + "\n"
+
+
+def overview(reports: Mapping[str, Verification]) -> str:
+    """Compare several comparisons in Markdown: a row for each, by its name."""
+    rows = [["", "largest force N", "largest difference", "mesh error at most"]]
+    for name, report in reports.items():
+        forces = [math.hypot(*pose.gripper.force) for pose in report.poses if pose.gripper.force]
+        errors = [pose.mesh_error for pose in report.poses if pose.mesh_error is not None]
+        largest = f"{max(forces):.2f}" if forces else "-"
+        rows.append([name, largest, _percent(report.largest_difference), _percent(max(errors, default=None))])
+    return "\n".join(_piped(rows))
 
 
 def _head(report: Verification) -> list[str]:
