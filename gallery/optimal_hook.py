@@ -35,7 +35,8 @@ def main(folder: str = ".") -> gr.Optimum:
     best = gr.optimize(scene, FREE, minimize="insertion_force", starts=1)
     finely, designs = gr.Motion.between("x_o", 0.100, 0.034, 133), {"before": scene, "after": best.scene}
     results = {name: gr.trace(replace(design, motion=finely)) for name, design in designs.items()}
-    compare(results, "motion_force", width=COLUMN).savefig(f"{folder}/optimal_hook.png")
+    figure = compare(results, "motion_force", title="It closes from right to left", width=COLUMN)
+    figure.savefig(f"{folder}/optimal_hook.png")
     Path(folder, "optimal_hook.csv").write_text(best.history_csv())
     return best
 

@@ -29,13 +29,13 @@ class Egg(gr.ImplicitSurface):
 
 @dataclass(frozen=True, kw_only=True)
 class Hinged(gr.Finger):
-    """A finger with a soft place at a third of its length: w(s) = w0 (1 - d exp(-(4 s/L - 4/3)^2)), with w0 in m."""
+    """A finger with a soft place at a third of its length: w0 (1 - d exp(-((15 s/L - 5) / 4)^2)), with w0 in m."""
 
     thickness: gr.Positive
     depth: gr.Finite
 
     def w(self, s: sympy.Expr) -> sympy.Expr:
-        return self.thickness * (1 - self.depth * sympy.exp(-((4 * s / self.length - sympy.Rational(4, 3)) ** 2)))
+        return self.thickness * (1 - self.depth * sympy.exp(-(((15 * s / self.length - 5) / 4) ** 2)))
 
 
 rubber = gr.Material(youngs_modulus=4.8e6, poisson_ratio=0.4)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import dataclasses
 import importlib.util
 from pathlib import Path
 
@@ -10,6 +11,7 @@ import pytest
 
 import gripper as gr
 from gripper.study.tresca import Tresca
+from gripper.study.tresca_cost import compared
 from tests.scenes import follow, rotating_finger
 
 SCRIPT = Path(__file__).parents[1] / "gallery" / "friction_models.py"
@@ -51,3 +53,8 @@ def test_tresca_problems_take_one_contact_with_friction():
     *_, smooth = follow(rotating_finger(-0.1016, 0.0, theory="bending"))
     with pytest.raises(ValueError, match="start must have one contact"):
         Tresca(smooth.setting, smooth.equilibrium)
+
+
+def test_a_comparison_with_tresca_problems_needs_a_way_to_its_first_pose():
+    with pytest.raises(ValueError, match="scene must have a motion"):
+        compared(dataclasses.replace(MODULE.EXAMPLE, motion=None), (0.0254, 0.0381))

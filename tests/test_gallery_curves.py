@@ -10,6 +10,7 @@ import pytest
 from scipy.optimize import brentq
 
 from gripper.plot import sticks
+from gripper.study.beside import beside_elements
 from tests import scenes
 from tests.test_gallery import ROOT, script
 
@@ -90,3 +91,8 @@ def test_every_figure_has_both_components_in_newtons_over_millimetres():
         assert (left.get_xlabel(), right.get_xlabel()) == (name, name)
         assert [ax.get_ylabel()[-10:] for ax in (left, right)] == ["long x (N)", "long y (N)"]
         assert [line.get_label() for line in left.lines] == [*curves.results, "finite elements"]
+
+
+def test_elements_stand_beside_at_least_one_model():
+    with pytest.raises(ValueError, match="scenes must hold at least one scene; got none"):
+        beside_elements({}, [0.0])
