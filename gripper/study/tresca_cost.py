@@ -45,19 +45,24 @@ def compared(scene: Scene, values: Sequence[float]) -> Compared:
     Raises
     ------
     ValueError
-        Other contacts than that, or a scene without motion.
+        Other contacts than that, a pose without an answer, or a scene without motion.
     """
     if scene.motion is None:
         raise ValueError("scene must have a motion, whose first value is where the way begins; got none")
     ours = trace(replace(scene, motion=Motion(scene.motion.parameter, (scene.motion.values[0], *values))))
+    for pose in ours.poses:
+        if pose.status in ("failed", "locked"):
+            raise ValueError(f"values must be of poses with an answer; got {pose.parameter}: {pose.reason}")
     first, *poses = ours.poses[1:]
+    assert first.kept is not None, "solved in this process"
     setting = first.kept.setting
     path, tresca = Kinematics(scene, setting.sections.length), Tresca(setting, first.kept.equilibrium)
     began = time.process_time()
     found = [tresca.pose(setting.obstacle(path.frame(value))) for value in values[1:]]
     seconds = (time.process_time() - began) / len(found)
-    forces = [complex(*pose.force_on_object_finger_frame) for pose in poses]
-    off = max(abs(held.force - force) / abs(force) for held, force in zip(found, forces, strict=True))
-    rounds = sum(held.rounds for held in found) / len(found)
+    held = [pose.force_on_object_finger_frame for pose in poses]
+    forces = [complex(*force) for force in held if force is not None]
+    off = max(abs(its.force - force) / abs(force) for its, force in zip(found, forces, strict=True))
+    rounds = sum(its.rounds for its in found) / len(found)
     spacing = 1e3 * abs(values[1] - values[0])
     return Compared(spacing, 1e3 * seconds, rounds, off, 1e3 * median(pose.seconds for pose in poses))
