@@ -28,7 +28,7 @@ FREE = {f"finger.thicknesses[{i}]": (0.006, 0.045) for i in range(5)}
 FREE |= {"finger.pose.x": (-0.03, 0.03), "finger.pose.y": (-0.03, 0.03)}
 
 
-def main(folder: str = ".") -> gr.Optimum:
+def main(folder: str = "out/constant_force") -> gr.Optimum:
     """Search, and write the force before and after (PNG) and every design tried (CSV) into the folder."""
     best, lines = gr.optimize(scene, FREE, flatten="force_on_object", starts=1), {}
     for name, result in {"before": best.before, "after": best.result}.items():

@@ -5,8 +5,6 @@ estimate included. The paper's scheme (raw node angles, contact at M = N = 90 no
 clears the object) has exact gradients and its shear cured: without them it takes 10 times as long, or fails.
 """
 
-from __future__ import annotations
-
 import os
 
 if __name__ == "__main__":  # before numpy is imported: a BLAS library's waiting threads burn CPU time too

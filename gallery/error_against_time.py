@@ -4,8 +4,6 @@ One pose of the hardest kind (x_e = -25.4 mm, shear); the errors are those again
 shot from the clamp. `gripper study SCENE.toml` does the same for any scene.
 """
 
-from __future__ import annotations
-
 import os
 
 if __name__ == "__main__":  # before numpy is imported: a BLAS library's waiting threads burn CPU time too

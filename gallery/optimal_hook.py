@@ -30,7 +30,7 @@ FREE = {"finger.thickness": (0.002, 0.006), "finger.length": (0.045, 0.065)}
 FREE |= {"finger.jaw.lead_angle": (radians(4), radians(30)), "finger.jaw.return_angle": (radians(45), radians(88))}
 
 
-def main(folder: str = ".") -> gr.Optimum:
+def main(folder: str = "out/optimal_hook") -> gr.Optimum:
     """Search, and write the force before and after (PNG) and every design tried (CSV) into the folder."""
     best = gr.optimize(scene, FREE, minimize="insertion_force", starts=1)
     finely, designs = gr.Motion.between("x_o", 0.100, 0.034, 133), {"before": scene, "after": best.scene}

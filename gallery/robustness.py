@@ -4,8 +4,6 @@ Maps over everything that matters once the problem is dimensionless, and 2,000 s
 was judged is kept: an interrupted run goes on where it stopped. `gripper study --robustness` does the same.
 """
 
-from __future__ import annotations
-
 import os
 
 if __name__ == "__main__":  # before numpy is imported: a BLAS library's waiting threads burn CPU time too

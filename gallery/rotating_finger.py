@@ -4,10 +4,7 @@ The object passes from left to right while the finger turns clockwise: phi = 102
 out the finger's length; 7 in is assumed.
 """
 
-from __future__ import annotations
-
 import math
-from pathlib import Path
 
 import sympy
 
@@ -29,14 +26,13 @@ scene = gr.Scene(
 )
 
 
-def main(folder: str | Path = "out/rotating_finger") -> gr.Result:
+def main(folder: str = "out/rotating_finger") -> gr.Result:
     """Trace the whole motion; draw it into the folder."""
     result, places = gr.trace(scene), [(102 - angle) / 236.22 for angle in ANGLES]
     drawn = [min(range(49), key=lambda i: abs(scene.motion.values[i] - place)) for place in places]
-    Path(folder).mkdir(parents=True, exist_ok=True)
-    result.filmstrip(drawn).savefig(Path(folder, "rotating_finger.png"))
-    result.curve().savefig(Path(folder, "force.png"))
-    result.animate(Path(folder, "rotating_finger.gif"), pixels=440)
+    result.filmstrip(drawn).savefig(f"{folder}/rotating_finger.png")
+    result.curve().savefig(f"{folder}/force.png")
+    result.animate(f"{folder}/rotating_finger.gif", pixels=440)
     return result
 
 
