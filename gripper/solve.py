@@ -16,8 +16,9 @@ from gripper.results.extremes import Extreme
 from gripper.scene import Scene
 from gripper.statics.answer import Answer, pose_result
 from gripper.statics.certificate import survey
-from gripper.statics.equilibrium import NoEquilibriumError, Setting, reckoned, unloaded
+from gripper.statics.equilibrium import NoEquilibriumError, Setting, reckoned
 from gripper.statics.ladder import rungs, suffices, theory_difference
+from gripper.statics.newton import unloaded
 from gripper.statics.validity import plane_difference, unknown_between, warnings
 from gripper.statics.verified import Verified, stability, untouched
 

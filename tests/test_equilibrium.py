@@ -16,7 +16,8 @@ from gripper.beam.strains import Beam
 from gripper.contact.kinematics import Kinematics
 from gripper.contact.linear import linearise
 from gripper.contact.site import Site
-from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, kkt_step, settle
+from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, kkt_step
+from gripper.statics.newton import settle
 from gripper_plugins.objects.circle import Circle
 from gripper_plugins.objects.polygon import Polygon
 from tests.scenes import Q, Solved, follow, micro_assembly, rotating_finger, unit_finger

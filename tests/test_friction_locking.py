@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 import gripper as gr
 from gripper.contact.grip import Grip
 from gripper.motion.others import answers, compliance
-from gripper.statics.equilibrium import settle
+from gripper.statics.newton import settle
 from gripper_plugins.objects.circle import Circle
 from tests.scenes import Q, follow, micro_assembly, rotating_finger, unit_finger
 

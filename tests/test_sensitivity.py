@@ -20,7 +20,7 @@ from gripper.sensitivity.object_rates import object_rates
 from gripper.sensitivity.opened import NotOpenError
 from gripper.statics.answer import Answer, pose_result
 from gripper.statics.certificate import survey
-from gripper.statics.equilibrium import settle
+from gripper.statics.newton import settle
 from gripper.statics.verified import Verified
 from gripper_plugins.fingers.tapered import Tapered
 from gripper_plugins.objects.circle import Circle

@@ -13,8 +13,10 @@ from gripper.contact.features import Feature, features
 from gripper.contact.linear import linearise
 from gripper.contact.obstacle import Frame
 from gripper.statics.certificate import survey
-from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, predicted, settle
+from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, State
+from gripper.statics.newton import settle
 from gripper.statics.snap import distance
+from gripper.statics.steps import predicted
 
 _ROUND_OFF = 1e-13
 _HALVINGS = 4  # of a way along a branch

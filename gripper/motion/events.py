@@ -13,8 +13,9 @@ from gripper.contact.site import Site
 from gripper.motion.branch import Along, Branch, Path, bracketed, joined, pointed, released
 from gripper.motion.turning import adjacent, changed
 from gripper.statics.certificate import survey
-from gripper.statics.equilibrium import NoEquilibriumError, Setting, State, unloaded
+from gripper.statics.equilibrium import NoEquilibriumError, Setting, State
 from gripper.statics.nearby import least_gaps
+from gripper.statics.newton import unloaded
 from gripper.statics.verified import objection
 
 STRUT = "met head-on the finger is a strut and buckles: to which side is undecided by statics"

@@ -20,7 +20,8 @@ from gripper.scene import Scene
 from gripper.statics.certificate import survey
 from gripper.statics.clearance import clearance
 from gripper.statics.contact_forces import drive
-from gripper.statics.equilibrium import Equilibrium, Setting, State, settle
+from gripper.statics.equilibrium import Equilibrium, Setting, State
+from gripper.statics.newton import settle
 from gripper.statics.profile import largest_strain
 from gripper.statics.verified import Verified
 

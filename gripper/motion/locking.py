@@ -17,8 +17,9 @@ from gripper.contact.grip import Grip
 from gripper.contact.linear import linearise
 from gripper.contact.site import Site
 from gripper.motion.locked import LockedError
-from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, settle
+from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, State
 from gripper.statics.holds import coefficient, grip_of, leaders, leads, slip_rates
+from gripper.statics.newton import settle
 from gripper.statics.verified import objection, singularity
 
 _REAL = 1e-6

@@ -18,8 +18,9 @@ from gripper.arrays import Array, Complex
 from gripper.contact.features import named
 from gripper.contact.obstacle import Obstacle
 from gripper.statics.certificate import survey
-from gripper.statics.equilibrium import Equilibrium, Setting, State, settle
+from gripper.statics.equilibrium import Equilibrium, Setting, State
 from gripper.statics.holds import grip_of, leaders, slip_rates
+from gripper.statics.newton import settle
 from gripper.statics.verified import Verified, untouched
 
 _CLEAR = 1e-9  # relative: rates this small decide nothing

@@ -28,9 +28,11 @@ from gripper.statics.active import find
 from gripper.statics.answer import Answer, discretisation_error
 from gripper.statics.certificate import DEPTH, Survey, survey
 from gripper.statics.clearance import clearance
-from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, predicted, reckoned, unloaded
+from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, reckoned
+from gripper.statics.newton import unloaded
 from gripper.statics.patches import settle_contacts
 from gripper.statics.snap import descend, distance
+from gripper.statics.steps import predicted
 from gripper.statics.verified import Verified, stability, untouched, verify
 
 ON_CLAMP = "the object lies on the clamp"

@@ -1,6 +1,6 @@
 """How the contact equations of an equilibrium change: forward mode, a batch of directions at a time.
 
-The equations are those that :func:`gripper.statics.equilibrium.settle` solves, segments ending at the contacts:
+The equations are those that :func:`gripper.statics.newton.settle` solves, segments ending at the contacts:
 
     dV/dc = Q(c, forces),   C = 0,   R = 0,
 

@@ -19,8 +19,9 @@ from gripper.sensitivity.limits import FEEBLE, at_end
 from gripper.sensitivity.numbers import Reading
 from gripper.sensitivity.seeds import Seeds
 from gripper.sensitivity.tangent import Rates
-from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, settle
+from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting
 from gripper.statics.holds import coefficient
+from gripper.statics.newton import settle
 from gripper.statics.profile import largest_strain
 
 _STATIONARY = 1e-3  # of a number, over 1 % of the motion: what a peak that was located may still rise

@@ -11,8 +11,9 @@ from gripper.contact.linear import linearise
 from gripper.contact.obstacle import Obstacle
 from gripper.statics.candidates import active_sets, violated
 from gripper.statics.certificate import Survey, survey
-from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, anchored, settle
+from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, anchored
 from gripper.statics.nearby import near
+from gripper.statics.newton import settle
 from gripper.statics.patches import settle_contacts
 from gripper.statics.problem import Problem
 from gripper.statics.verified import PULL, Verified, verify

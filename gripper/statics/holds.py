@@ -13,7 +13,8 @@ import numpy as np
 from gripper.arrays import Array
 from gripper.contact.grip import Grip
 from gripper.contact.site import Site
-from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, settle
+from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting
+from gripper.statics.newton import settle
 
 _STILL = 1e-12  # relative: slip this slow is none
 

@@ -10,7 +10,8 @@ from gripper.beam.strains import legendre
 from gripper.contact.linear import linearise
 from gripper.contact.obstacle import Obstacle
 from gripper.contact.site import NARROW, WIDE, Site
-from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, settle
+from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, State
+from gripper.statics.newton import settle
 
 PATCH = 2e-5  # of L: narrower patches are points (the mean tangent's error falls with the square of the width)
 _POINTLIKE = 5 * PATCH

@@ -10,8 +10,9 @@ from gripper.beam.strains import legendre
 from gripper.contact.linear import linearise
 from gripper.contact.site import NARROW
 from gripper.statics.certificate import Survey, survey
-from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, firmness
+from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting
 from gripper.statics.nearby import least_gaps
+from gripper.statics.newton import firmness
 
 _RIPPLE = 3e-2  # of the largest pressure: what a polynomial may leave where the pressure has decayed
 _ACROSS = np.linspace(-1.0, 1.0, 17)
