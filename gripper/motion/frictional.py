@@ -19,7 +19,7 @@ from gripper.motion.holding import changing, decided, excess
 from gripper.motion.ledger import BALANCED, Ledger
 from gripper.motion.locking import check_locked
 from gripper.motion.others import other_solutions
-from gripper.motion.tracker import Tracker
+from gripper.motion.tracker import Tracker, within
 from gripper.motion.work import booked, dips
 from gripper.result import PoseResult
 from gripper.results.loop import Loop
@@ -139,7 +139,9 @@ class FrictionTracker(Tracker):
         before, known = Along(self.parameter, self.current.equilibrium), len(self.changes)
         super()._accept(following, found)
         kinds = ("touch", "change", "release")
-        broken = [change.parameter for change in self.changes[known:] if change.kind in kinds]
+        broken = [
+            within(change.parameter, before, following) for change in self.changes[known:] if change.kind in kinds
+        ]
         self.ledger.book(before, Along(following, found.equilibrium), broken, self.heading, self.order)
 
     def _meet(self, following: float) -> None:

@@ -329,7 +329,7 @@ class Tracker:
         if self.events:
             self.changes += changed
         if self.watch:
-            broken = [change.parameter for change in changed if change.kind != "snap"]
+            broken = [within(change.parameter, before, following) for change in changed if change.kind != "snap"]
             self.watch.note(before, Along(following, found.equilibrium), broken, self.order)
 
     def _snap(self, following: float, error: NoEquilibriumError) -> None:
@@ -376,3 +376,8 @@ def _alike(one: State, other: State) -> bool:
     return all((a.kind, a.piece, a.vertex, a.modes) == (b.kind, b.piece, b.vertex, b.modes) for a, b in pairs) and (
         one.places.size == other.places.size
     )
+
+
+def within(parameter: float, before: Along, following: float) -> float:
+    """Where a step's event is on the step: a contact may be kept a little beyond its end, which then lies before it."""
+    return min(max(parameter, min(before.parameter, following)), max(before.parameter, following))
