@@ -7,7 +7,6 @@ from typing import Annotated
 
 import typer
 
-from gripper.__main__ import main as main  # scripts installed before name it here
 from gripper.cli.animate import animate as _animate
 from gripper.cli.check import check as _check
 from gripper.cli.explain import explain as _explain
