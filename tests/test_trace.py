@@ -11,7 +11,6 @@ import pytest
 import sympy
 
 import gripper as gr
-from gripper.motion.branch import Along
 from gripper.motion.tracker import within
 from gripper.statics.equilibrium import NoEquilibriumError, reckoned
 from gripper.trace import Interrupted
@@ -370,6 +369,5 @@ def test_a_strut_s_undecided_side_is_told_however_long_the_steps(theory: str) ->
 @pytest.mark.parametrize(("event", "place"), [(0.5, 0.5), (1.1, 1.0), (-0.3, 0.0)])
 def test_an_event_of_a_step_is_on_the_step(event: float, place: float) -> None:
     """A contact that is kept a hair beyond its edge left it before the step: no leg of the motion turns for that."""
-    before = Along(1.0, None)  # type: ignore[arg-type]
-    assert within(event, before, 0.0) == place
-    assert -within(-event, Along(-1.0, None), 0.0) == place  # type: ignore[arg-type]
+    assert within(event, 1.0, 0.0) == place
+    assert -within(-event, -1.0, 0.0) == place

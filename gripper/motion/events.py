@@ -22,12 +22,16 @@ STRUT = "met head-on the finger is a strut and buckles: to which side is undecid
 _GRAZED = 1e-9  # of L: contacts that only graze are none
 
 
+Kind = Literal["touch", "release", "change", "snap", "stick", "slip"]
+"""What an event is."""
+
+
 @dataclass(frozen=True)
 class Change:
     """Something that happened at a value of the path's parameter."""
 
     parameter: float
-    kind: Literal["touch", "release", "change", "snap", "stick", "slip"]
+    kind: Kind
     detail: str
 
 

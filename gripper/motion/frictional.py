@@ -14,7 +14,7 @@ import numpy as np
 
 from gripper.contact.features import Feature, features, gone_and_come, named
 from gripper.motion.branch import STILL, Along
-from gripper.motion.events import Change, touched_at
+from gripper.motion.events import Change, Kind, touched_at
 from gripper.motion.holding import changing, decided, excess
 from gripper.motion.ledger import BALANCED, Ledger
 from gripper.motion.locking import check_locked
@@ -140,7 +140,9 @@ class FrictionTracker(Tracker):
         super()._accept(following, found)
         kinds = ("touch", "change", "release")
         broken = [
-            within(change.parameter, before, following) for change in self.changes[known:] if change.kind in kinds
+            within(change.parameter, before.parameter, following)
+            for change in self.changes[known:]
+            if change.kind in kinds
         ]
         self.ledger.book(before, Along(following, found.equilibrium), broken, self.heading, self.order)
 
@@ -237,10 +239,10 @@ class FrictionTracker(Tracker):
         )
         return loop, [top.equilibrium for top in tops]
 
-    def _tell(self, kind: str, equilibrium: Equilibrium, i: int, why: str) -> None:
+    def _tell(self, kind: Kind, equilibrium: Equilibrium, i: int, why: str) -> None:
         if self.events:
             where = named(self.setting.outline, equilibrium.state.sites[i])
-            self.changes.append(Change(self.parameter, kind, f"{where}: {why}" if why else where))  # type: ignore[arg-type]
+            self.changes.append(Change(self.parameter, kind, f"{where}: {why}" if why else where))
 
     # changes of hold
 

@@ -329,7 +329,9 @@ class Tracker:
         if self.events:
             self.changes += changed
         if self.watch:
-            broken = [within(change.parameter, before, following) for change in changed if change.kind != "snap"]
+            broken = [
+                within(change.parameter, before.parameter, following) for change in changed if change.kind != "snap"
+            ]
             self.watch.note(before, Along(following, found.equilibrium), broken, self.order)
 
     def _snap(self, following: float, error: NoEquilibriumError) -> None:
@@ -378,6 +380,6 @@ def _alike(one: State, other: State) -> bool:
     )
 
 
-def within(parameter: float, before: Along, following: float) -> float:
+def within(parameter: float, start: float, stop: float) -> float:
     """Where a step's event is on the step: a contact may be kept a little beyond its end, which then lies before it."""
-    return min(max(parameter, min(before.parameter, following)), max(before.parameter, following))
+    return sorted((start, parameter, stop))[1]
