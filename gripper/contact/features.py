@@ -16,6 +16,7 @@ Feature = tuple[Literal["flank", "corner", "vertex"], int, int, int]
 """Its kind, the piece of the outline, the object's corner (or -1), and which one of these along the piece."""
 
 _CONFORMING = 0.06  # of L: nodes nearer to one another than this are one contact
+_TOGETHER = 0.02  # of L: the object's corners that are nearer to one another carry as one
 _ANOTHER = 0.05  # of L: a contact that is so much further than expected is another one
 _KINDS: dict[str, Literal["flank", "corner", "vertex"]] = {"corner": "corner", "vertex": "vertex"}
 
@@ -81,6 +82,20 @@ def _nearest(one: Sequence[float], other: Sequence[float]) -> list[tuple[int, in
     choices = itertools.combinations(range(len(other)), len(one))
     best = min(choices, key=lambda chosen: float(np.abs(np.subtract([other[k] for k in chosen], one)).sum()))
     return list(enumerate(best))
+
+
+def neighbours(sites: Sequence[Site], i: int, reach: float = _TOGETHER) -> list[int]:
+    """A corner of the object on a piece, and the others within reach (by L) of it there."""
+    own = sites[i]
+    mine = [j for j, site in enumerate(sites) if (site.kind, site.piece) == (own.kind, own.piece)]
+    return [j for j in mine if abs(sites[j].middle - own.middle) < reach] if own.kind == "vertex" else [i]
+
+
+def apart_from(sites: tuple[Site, ...], found: Sequence[Feature], one: Feature) -> list[Feature]:
+    """Without one of them, and without the object's corners beside it: they roll on with it."""
+    numbers = features(sites)
+    group = neighbours(sites, numbers[one])
+    return [feature for feature in found if numbers[feature] not in group]
 
 
 def feature_name(outline: Outline, feature: Feature) -> str:

@@ -65,6 +65,16 @@ def _shifts(modes: int, order: int) -> Array:
     return np.array([(1 - x) / 2, (1 + x) / 2])
 
 
+def _surface(
+    obstacle: Obstacle, sites: tuple[Site, ...], points: Complex
+) -> tuple[Array, Complex, tuple[Array, Complex]]:
+    """G / L and its derivatives; none for corners of the object alone, whose distance to the outline counts."""
+    if all(site.kind == "vertex" for site in sites):
+        none = np.zeros(len(points))
+        return none, none + 0j, (none, none + 0j)
+    return obstacle.curvature(points)
+
+
 class System:
     """The arrays of a linearisation while its contacts are written into them."""
 
@@ -73,7 +83,7 @@ class System:
         m, k, q = sum(s.multipliers for s in sites), sum(s.unknowns for s in sites), len(stations.points)
         self.layout: list[tuple[slice, int, int]] = []  # of each site: its queries, first row, first column
         self.sites, self.stations, self.obstacle = sites, stations, obstacle
-        self.gap, self.normal, (self.a, self.b) = obstacle.curvature(stations.points)
+        self.gap, self.normal, (self.a, self.b) = _surface(obstacle, sites, stations.points)
         tangents = stations.tangents
         self.slope = dot(self.normal, tangents)  # dg/du
         back = self.normal.conj()[:, None]

@@ -15,6 +15,7 @@ from gripper.contact.obstacle import Frame
 from gripper.statics.certificate import survey
 from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, State
 from gripper.statics.newton import settle
+from gripper.statics.rolling import strongest_alone
 from gripper.statics.snap import distance
 from gripper.statics.steps import predicted
 
@@ -22,7 +23,8 @@ _ROUND_OFF = 1e-13
 _HALVINGS = 4  # of a way along a branch
 _ROUNDS = 8  # of Newton's method, of which three or four are needed
 _DEPARTS = 0.5  # of a step: what it may differ from its prediction
-_APART = 1e-4  # of L: shapes that differ by more are of different branches
+APART = 1e-4
+"""Of L: shapes that differ by more are of different branches."""
 _SMALL = 1e-5  # of L: the step along the tangent
 _GENTLE, _GENTLEST = 0.1, 1e-4  # of the forces, what such a step changes; of the step, what is left of it
 STILL = 1e-12
@@ -70,7 +72,7 @@ class Branch:
         guess = predicted(self.setting, start.equilibrium, parameter - start.parameter)
         expected = float(np.linalg.norm(guess.z - start.equilibrium.state.z))
         found = settle(self.setting, self.setting.obstacle(self.path.frame(parameter)), guess, self.order)
-        if found.correction > _DEPARTS * expected + _APART:
+        if found.correction > _DEPARTS * expected + APART:
             if not halvings:
                 raise NoEquilibriumError("the step departs from its prediction")
             self._reached((start.parameter + parameter) / 2, halvings - 1)
@@ -110,7 +112,8 @@ def nudged(setting: Setting, path: Path, at: Along, heading: float) -> tuple[Equ
 
 
 def pointed(setting: Setting, equilibrium: Equilibrium, order: int) -> Equilibrium:
-    """All patches as points."""
+    """All patches as points, and the strongest alone of neighbouring corners of the object."""
+    equilibrium = strongest_alone(setting, equilibrium, order)
     for i in range(len(equilibrium.state.sites)):
         equilibrium = _pointed(setting, equilibrium, i, order)
     return equilibrium
@@ -128,7 +131,7 @@ def _pointed(setting: Setting, equilibrium: Equilibrium, i: int, order: int) -> 
     return settle(setting, equilibrium.obstacle, State(state.beam, state.z, sites, multipliers), order)
 
 
-def joined(setting: Setting, path: Path, there: Along, known: Along, order: int, apart: float = _APART) -> float:
+def joined(setting: Setting, path: Path, there: Along, known: Along, order: int, apart: float = APART) -> float:
     """Where an event is, once the branch of a known equilibrium is seen to meet the event's.
 
     Raises

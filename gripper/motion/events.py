@@ -7,15 +7,16 @@ from typing import Literal
 
 import numpy as np
 
-from gripper.contact.features import feature_name, gone_and_come
+from gripper.contact.features import apart_from, feature_name, gone_and_come
 from gripper.contact.obstacle import Obstacle
 from gripper.contact.site import Site
-from gripper.motion.branch import Along, Branch, Path, bracketed, joined, pointed, released
-from gripper.motion.turning import adjacent, changed
+from gripper.motion.branch import APART, Along, Branch, Path, bracketed, joined, pointed, released
+from gripper.motion.turning import adjacent, changed, rolled_apart
 from gripper.statics.certificate import survey
 from gripper.statics.equilibrium import NoEquilibriumError, Setting, State
 from gripper.statics.nearby import least_gaps
 from gripper.statics.newton import unloaded
+from gripper.statics.rolling import NEAR
 from gripper.statics.verified import objection
 
 STRUT = "met head-on the finger is a strut and buckles: to which side is undecided by statics"
@@ -43,20 +44,25 @@ def changes(setting: Setting, path: Path, old: Along, new: Along, order: int) ->
     NoEquilibriumError
         Where the branches do not lead to the event: the step is too long, or leads to another branch.
     """
-    before, outline = old.equilibrium.state.sites, setting.outline
-    gone, come = gone_and_come(before, new.equilibrium.state.sites, _moves(old, new))
+    before, after, outline = old.equilibrium.state.sites, new.equilibrium.state.sites, setting.outline
+    gone, come = gone_and_come(before, after, _moves(old, new))
     out: list[Change] = []
     for lost in list(gone):
-        won = next((f for f in come if adjacent(setting, lost, f)), None)
+        won = next((f for f in come if lost in gone and adjacent(setting, lost, f)), None)
         if won is not None:
             where = changed(setting, path, old, new, lost, won, order)
             out.append(Change(where, "change", f"{feature_name(outline, lost)} to {feature_name(outline, won)}"))
-            gone.remove(lost)
-            come.remove(won)
+            gone, come = apart_from(before, gone, lost), apart_from(after, come, won)
+    if come and not before:
+        come = [come[0], *apart_from(after, come, come[0])]
     if len(out) + len(gone) + len(come) > 1:
         raise NoEquilibriumError("several contacts change within one step")
     for won in come:
-        where = released(setting, path, new, old, won, order) if before else _first(setting, path, old, new, order)
+        if before:
+            where = released(setting, path, new, old, won, order)
+        else:
+            where, touched = _first(setting, path, old, new, order)
+            won = (*won[:2], touched.vertex, won[3]) if won[0] == "vertex" else won
         out.append(Change(where, "touch", feature_name(outline, won)))
         if not before and head_on(setting, path, old, where):
             out.append(Change(where, "snap", STRUT))
@@ -97,25 +103,29 @@ def _moves(old: Along, new: Along) -> list[float]:
     return out
 
 
-def _first(setting: Setting, path: Path, old: Along, new: Along, order: int) -> float:
-    """Where the free finger is touched first, by a contact that the new pose still has."""
+def _first(setting: Setting, path: Path, old: Along, new: Along, order: int) -> tuple[float, Site]:
+    """Where the free finger is touched first, and by what: a contact that the new pose still has, or has rolled on."""
     sites = new.equilibrium.state.sites
 
-    def least(parameter: float, *, kept: bool) -> float:
+    def least(parameter: float, *, kept: bool) -> tuple[float, Site]:
         obstacle = setting.obstacle(path.frame(parameter))
         state = _free(setting, obstacle, old)
         found = least_gaps(setting, obstacle, state, survey(setting, obstacle, state, brief=True))
-        return min((g for g, at in found if any(_same(setting, at, site) for site in sites) == kept), default=np.inf)
+        mine = [(g, at) for g, at in found if any(_same(setting, at, site) for site in sites) == kept]
+        return min(mine, key=lambda gap: gap[0], default=(np.inf, sites[0]))
 
-    if np.isinf(least(new.parameter, kept=True)):
+    if np.isinf(least(new.parameter, kept=True)[0]):
         raise NoEquilibriumError("the first contact has moved on within the step")
-    where = bracketed(lambda parameter: min(least(parameter, kept=True), 1.0), old.parameter, new.parameter)
-    if least(where, kept=False) < -_GRAZED:
+    where = bracketed(lambda parameter: min(least(parameter, kept=True)[0], 1.0), old.parameter, new.parameter)
+    if least(where, kept=False)[0] < -_GRAZED:
         raise NoEquilibriumError("the first contact has moved on within the step")
+    touched = least(where, kept=True)[1]
     points = replace(new, equilibrium=pointed(setting, new.equilibrium, order))
     obstacle = setting.obstacle(path.frame(where))
     free = replace(old.equilibrium, state=_free(setting, obstacle, old), obstacle=obstacle)
-    return joined(setting, path, Along(where, free), points, order)
+    rolled = touched.kind == "vertex" and all(site.vertex != touched.vertex for site in points.equilibrium.state.sites)
+    apart = rolled_apart(old, new) if rolled else APART
+    return joined(setting, path, Along(where, free), points, order, apart), touched
 
 
 def _free(setting: Setting, obstacle: Obstacle, old: Along) -> State:
@@ -147,9 +157,11 @@ def head_on(setting: Setting, path: Path, straight: Along, parameter: float) -> 
 
 
 def _same(setting: Setting, touched: Site, site: Site) -> bool:
-    """Whether a first contact, or the corner that it is at, is a contact of the next pose."""
+    """Whether a first contact, or the corner that it is at, is one of the next pose, or the object rolls on from it."""
     piece = touched.piece
     if touched.kind == "tangent":
         corner = setting.outline.corner_at(piece, touched.place[0])
         piece = piece if corner is None else corner
+    if touched.kind == site.kind == "vertex" and touched.vertex != site.vertex:
+        return piece == site.piece and abs(touched.middle - site.middle) < NEAR
     return piece == site.piece and touched.vertex == site.vertex

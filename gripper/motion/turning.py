@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from gripper.contact.features import Feature
@@ -9,6 +11,7 @@ from gripper.contact.site import Site
 from gripper.motion.branch import SHARP, Along, Branch, Path, bracketed, joined, number, released
 from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting
 from gripper.statics.nearby import vertex_height
+from gripper.statics.rolling import corners_along, strongest_alone
 from gripper.statics.snap import distance
 
 _SHORT = 0.999  # of the way to an end that must not be passed
@@ -16,6 +19,7 @@ _STEPS = 30
 _OVERSHOT = 1.0  # of a step: a contact may have been kept beyond the end of its piece, within the penetration allowed
 _ROLLED = 1e-3  # of L: the same where an object rolls over a corner: between corners its side touches, too
 _ROLLS = 0.25  # of a step: the same from corner to corner
+_SKIPPED = 1e-6  # of L: where a corner is sunk deeper others have carried in between
 _BESIDE = 1e-6  # of L: how far from a corner its side is looked at
 _SHORTLY = 1e-2  # of a step
 _MEETING = 1e-9  # of L: where pieces of the outline meet
@@ -82,16 +86,34 @@ def _from_end(setting: Setting, equilibrium: Equilibrium, i: int, far: bool) -> 
 
 
 def _rolled(setting: Setting, path: Path, old: Along, new: Along, won: Feature, order: int) -> float:
-    """Where the object's next corner comes down on a face."""
-    branch, place = Branch(setting, path, old, order), new.equilibrium.state.sites[number(new, won)].place[0]
+    """Where the object's next corner comes down on a face: of several that pass within the step, about where.
+
+    Neighbours that carry together are followed as the strongest of them alone: together they exist on short ways only.
+    """
+    alone = replace(old, equilibrium=strongest_alone(setting, old.equilibrium, order))
+    branch, place = Branch(setting, path, alone, order), new.equilibrium.state.sites[number(new, won)].place
+    if distance(branch.at(new.parameter).state, new.equilibrium.state) > rolled_apart(old, new):
+        raise NoEquilibriumError("the step leads to another branch")
+    corner = Site("vertex", won[1], place, won[2])
 
     def height(parameter: float) -> float:
         there = branch.at(parameter)
-        return vertex_height(setting, there.obstacle, there.state.axis, Site("vertex", won[1], (place,), won[2]))
+        return vertex_height(setting, there.obstacle, there.state.axis, corner)
 
-    where = bracketed(height, old.parameter, new.parameter)
-    apart = max(_ROLLED, _ROLLS * distance(old.equilibrium.state, new.equilibrium.state))
-    return joined(setting, path, Along(where, branch.at(where)), new, order, apart)
+    start, stop = old.parameter, new.parameter
+    first, last = height(start), height(stop)
+    if first <= 0 or last >= 0:  # it carried before the other had gone, or they still carry together
+        return start if first <= 0 else stop
+    about = start + (stop - start) * first / (first - last)
+    there = branch.at(about)
+    if corners_along(setting, there.obstacle, there.state.axis, corner)[2].min(initial=0.0) < -_SKIPPED:
+        return about
+    return bracketed(height, start, stop)
+
+
+def rolled_apart(old: Along, new: Along) -> float:
+    """By how much (by L) shapes held by two corners may differ where an object rolls from one to the other."""
+    return max(_ROLLED, _ROLLS * distance(old.equilibrium.state, new.equilibrium.state))
 
 
 def _turned(

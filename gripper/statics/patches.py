@@ -12,6 +12,7 @@ from gripper.contact.obstacle import Obstacle
 from gripper.contact.site import NARROW, WIDE, Site
 from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, State
 from gripper.statics.newton import settle
+from gripper.statics.rolling import rolled_ahead, rolled_on
 
 PATCH = 2e-5  # of L: narrower patches are points (the mean tangent's error falls with the square of the width)
 _POINTLIKE = 5 * PATCH
@@ -143,20 +144,21 @@ def spread(force: float, site: Site) -> list[float]:
 
 
 def settle_contacts(setting: Setting, obstacle: Obstacle, state: State, order: int) -> Equilibrium:
-    """Settle, and again where a point must become a patch or a patch a point.
+    """Settle, and again where the object rolls on to another corner, a point must become a patch or a patch a point.
 
     Raises
     ------
     NoEquilibriumError
         Where Newton does not converge.
     """
-    foreseen = _foreseen(setting, obstacle, state)
+    foreseen = rolled_ahead(setting, obstacle, _foreseen(setting, obstacle, state))
     try:
         found = settle(setting, obstacle, foreseen, order)
     except NoEquilibriumError:
         if foreseen is state:
             raise
         found = settle(setting, obstacle, state, order)
+    found = rolled_on(setting, found, order)
     sites = fit_patches(setting, found)
     if sites == found.state.sites:
         return found

@@ -1,0 +1,151 @@
+"""An object rolls along a face from corner to corner: those that carry are found from those that carried before.
+
+A polygon of many sides changes its corner with every step. The corner that lies lowest takes over from the one that it
+has passed, without a new search for contacts; where two or more carry together, as shear lets neighbours do, one that
+has sunk comes in and one that would have to pull goes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from gripper.arrays import Array, Index
+from gripper.beam.axis import Axis
+from gripper.contact.features import neighbours
+from gripper.contact.obstacle import Obstacle
+from gripper.contact.outline import UPPER, dot
+from gripper.contact.site import Site
+from gripper.statics.certificate import DEPTH
+from gripper.statics.equilibrium import Equilibrium, Setting, State
+from gripper.statics.newton import settle
+
+NEAR = 0.15
+"""Of L: how far along a face an object rolls in a step."""
+_ROLLS = 8
+_FEET = 4  # Newton steps to the feet of normals
+_SETTLED = 1e-9  # of L
+
+
+def rolled_on(setting: Setting, equilibrium: Equilibrium, order: int) -> Equilibrium:
+    """The equilibrium in which the object has rolled on to the corners that carry it.
+
+    Where these do not come to rest it is left as far as it came: its penetration tells.
+
+    Raises
+    ------
+    NoEquilibriumError
+        Where Newton does not converge with one of the sets of corners.
+    """
+    sites = equilibrium.state.sites
+    if not any(site.kind == "vertex" for site in sites) or sites[0].grip is not None:
+        return equilibrium
+    tried = {_named(sites)}
+    for _ in range(_ROLLS):
+        following = _next(setting, equilibrium, tried)
+        if following is None:
+            break
+        tried.add(_named(following.sites))
+        found = settle(setting, equilibrium.obstacle, following, order)
+        way, rounds = equilibrium.correction + found.correction, equilibrium.iterations + found.iterations
+        equilibrium = replace(found, correction=way, iterations=rounds)
+    return equilibrium
+
+
+def rolled_ahead(setting: Setting, obstacle: Obstacle, state: State) -> State:
+    """A guess with the corners of the object that lie lowest in it: Newton need not hold the old ones first."""
+    sites = list(state.sites)
+    for i, site in enumerate(sites):
+        if site.kind == "vertex" and site.grip is None and len(neighbours(sites, i, NEAR)) == 1:
+            sites[i] = _lowest(setting, obstacle, state.axis, site) or site
+    return state if sites == list(state.sites) else replace(state, sites=tuple(sites))
+
+
+def _named(sites: Sequence[Site]) -> frozenset[tuple[str, int, int]]:
+    """A set of contacts, whatever their places."""
+    return frozenset((site.kind, site.piece, site.vertex) for site in sites)
+
+
+def _next(setting: Setting, equilibrium: Equilibrium, tried: set[frozenset[tuple[str, int, int]]]) -> State | None:
+    """The state with another set of corners, none that was tried; None where all is well or nothing new is left."""
+    state = equilibrium.state
+    corners = [i for i, site in enumerate(state.sites) if site.kind == "vertex"]
+    weakest = min(corners, key=lambda i: float(state.loads[i][0]))
+    if state.loads[weakest][0] < 0 and len(neighbours(state.sites, weakest, NEAR)) > 1:
+        less = state.keeping([i != weakest for i in range(len(state.sites))])
+        return None if _named(less.sites) in tried else less
+    for i in corners:
+        sunk = _lowest(setting, equilibrium.obstacle, state.axis, state.sites[i])
+        if sunk is None or any((s.piece, s.vertex) == (sunk.piece, sunk.vertex) for s in state.sites):
+            continue
+        passed = replace(state, sites=(*state.sites[:i], sunk, *state.sites[i + 1 :]))
+        both = replace(state, sites=(*state.sites, sunk), multipliers=np.append(state.multipliers, 0.0))
+        alone = len(neighbours(state.sites, i, NEAR)) == 1
+        for choice in (passed, both) if alone else (both,):
+            if _named(choice.sites) not in tried:
+                return choice
+    return None
+
+
+def strongest_alone(setting: Setting, equilibrium: Equilibrium, order: int) -> Equilibrium:
+    """The equilibrium in which of neighbouring corners the strongest carries what they carry together.
+
+    Together they exist on short ways of a motion only; the others are then sunk by a hair.
+
+    Raises
+    ------
+    NoEquilibriumError
+        Where Newton does not converge.
+    """
+    state = equilibrium.state
+    loads = np.array([float(load[0]) for load in state.loads])
+    groups = [neighbours(state.sites, i) for i in range(len(state.sites))]
+    keep = [i == max(group, key=lambda j: float(loads[j])) for i, group in enumerate(groups)]
+    if all(keep):
+        return equilibrium
+    gathered = [np.append(loads[group].sum(), load[1:]) for group, load in zip(groups, state.loads, strict=True)]
+    alone = replace(state, multipliers=np.concatenate(gathered)).keeping(keep)
+    return settle(setting, equilibrium.obstacle, alone, order)
+
+
+def _lowest(setting: Setting, obstacle: Obstacle, axis: Axis, site: Site) -> Site | None:
+    """The corner that the object rolls down to from one of its corners, if it has sunk through the piece."""
+    numbers, feet, heights = corners_along(setting, obstacle, axis, site)
+    if site.vertex not in numbers:
+        return None
+    at = int(np.argmax(numbers == site.vertex))
+    for way in (1, -1):
+        while 0 <= at + way < len(heights) and heights[at + way] < heights[at]:
+            at += way
+    if heights[at] >= -DEPTH / 2:
+        return None
+    return replace(site, place=(float(feet[at]),), vertex=int(numbers[at]))
+
+
+def corners_along(setting: Setting, obstacle: Obstacle, axis: Axis, site: Site) -> tuple[Index, Array, Array]:
+    """The object's corners over a piece near one of them, in their order along it.
+
+    Returns
+    -------
+    Their numbers, the feet of the normals from them, and how far outside they are (by L, negative: sunk in).
+    """
+    away = obstacle.corners - obstacle.corners[site.vertex]
+    numbers = np.flatnonzero(np.abs(away) < NEAR)
+    corners, end = obstacle.corners[numbers], setting.outline.pieces[site.piece].length
+    piece, u = np.full(numbers.size, site.piece), np.full(numbers.size, site.place[0])
+    last = np.full(numbers.size, axis.beam.segments - 1)
+    for _ in range(_FEET):
+        segment = axis.beam.segment_of(u) if site.on_face else last
+        place, tangent, _ = setting.outline.trace(axis, piece, u, segment)
+        steps = dot(corners - place, tangent) / np.abs(tangent) ** 2
+        u = (u + steps).clip(0.0, end)
+        if np.abs(steps).max() < _SETTLED:
+            break
+    outward = -1j * tangent / np.abs(tangent) * (-1.0 if site.piece == UPPER else 1.0)
+    heights = dot(corners - place, outward)
+    deepest = setting.sections.thickness(u) / 2 if site.on_face else np.full(u.shape, end / 2)
+    over = np.flatnonzero((u > 0) & (u < end) & (heights > -deepest))
+    over = over[np.argsort(u[over], kind="stable")]
+    return numbers[over], u[over], heights[over]
