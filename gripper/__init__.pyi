@@ -4,11 +4,24 @@ from gripper.assemble import assemble as assemble
 from gripper.bands import Band as Band
 from gripper.bands import linear_bands as linear_bands
 from gripper.bands import sampled_bands as sampled_bands
+from gripper.expression.dimensions import unit as unit
+from gripper.fields import (
+    Angle as Angle,
+)
+from gripper.fields import (
+    Coordinate as Coordinate,
+)
 from gripper.fields import (
     Expression as Expression,
 )
 from gripper.fields import (
     Finite as Finite,
+)
+from gripper.fields import (
+    Length as Length,
+)
+from gripper.fields import (
+    LengthProfile as LengthProfile,
 )
 from gripper.fields import (
     Point as Point,
@@ -20,10 +33,19 @@ from gripper.fields import (
     Profile as Profile,
 )
 from gripper.fields import (
+    Ratio as Ratio,
+)
+from gripper.fields import (
+    Stress as Stress,
+)
+from gripper.fields import (
     Surface as Surface,
 )
 from gripper.fields import (
     Varying as Varying,
+)
+from gripper.fields import (
+    VaryingForce as VaryingForce,
 )
 from gripper.fingers import Base as Base
 from gripper.fingers import Finger as Finger

@@ -1,7 +1,9 @@
 """Rules for a dataclass's fields, written once as types and checked once by the base classes.
 
 A field annotated ``radius: Positive`` is checked when the instance is made, wherever it is made: in
-Python, or by the scene file's reader. Plugins hold no check of their own for what a type can say.
+Python, or by the scene file's reader. Plugins hold no check of their own for what a type can say. A type that names its
+quantity (``radius: Length``) also refuses other units in scene files: ``Annotated[Positive, unit("N/m")]`` does so for
+quantities without a name here.
 """
 
 from __future__ import annotations
@@ -13,6 +15,8 @@ from collections.abc import Callable
 from typing import Annotated, Any, get_args, get_type_hints
 
 import sympy
+
+from gripper.expression.dimensions import METRE, NEWTON, PASCAL, PURE, RADIAN, Dimension
 
 
 @dataclasses.dataclass(frozen=True)
@@ -50,25 +54,40 @@ class Nested:
     group: str
 
 
-_POSITIVE = Rule("be a positive number, in SI units", lambda v: _is_number(v) and v > 0)
-_FINITE = Rule("be a finite number, in SI units", _is_number)
+_SI = ", in SI units"
+_POSITIVE = Rule(f"be a positive number{_SI}", lambda v: _is_number(v) and v > 0)
+_FINITE = Rule(f"be a finite number{_SI}", _is_number)
 Positive = Annotated[float, _POSITIVE]
-"""A number above zero."""
+"""A number above zero, of any unit."""
 Finite = Annotated[float, _FINITE]
-"""Any finite number."""
+"""Any finite number, of any unit."""
+Length = Annotated[Positive, METRE]
+"""A length above zero, in m."""
+Coordinate = Annotated[Finite, METRE]
+"""A length of either sign, in m."""
+Angle = Annotated[Finite, RADIAN]
+"""An angle, in rad."""
+Stress = Annotated[Positive, PASCAL]
+"""A modulus or a stress above zero, in Pa."""
+Ratio = Annotated[Positive, PURE]
+"""A number above zero without unit."""
 Expression = Annotated[float | sympy.Expr, Rule("be a finite number or an expression", _is_profile)]
 """A number or a sympy expression (a pose, in the motion's parameter)."""
 Varying = Annotated[
     float | sympy.Expr, OfMotion(), Rule("be a finite number or an expression in the motion's parameter", _is_profile)
 ]
-"""A number or a sympy expression in the motion's parameter."""
+"""A number or a sympy expression in the motion's parameter, of any unit."""
+VaryingForce = Annotated[Varying, NEWTON]
+"""A force, in N, or a sympy expression of one in the motion's parameter."""
 Profile = Annotated[
     float | sympy.Expr, Variables(("s",)), Rule("be a finite number or an expression in s", _is_profile)
 ]
-"""A number or a sympy expression in the arc length s."""
+"""A number or a sympy expression in the arc length s, of any unit."""
+LengthProfile = Annotated[Profile, METRE]
+"""A length, in m, or a sympy expression of one in the arc length s."""
 Surface = Annotated[sympy.Expr, Variables(("x", "y")), Rule("be an expression in x and y", _is_profile)]
 """A sympy expression in x and y."""
-Point = tuple[Finite, Finite]
+Point = tuple[Coordinate, Coordinate]
 """A point (x, y), in m."""
 
 
@@ -78,11 +97,28 @@ def field_types(cls: Any) -> dict[str, Any]:
     return get_type_hints(cls, include_extras=True)
 
 
+def _metadata(annotation: Any) -> tuple[Any, ...]:
+    return getattr(annotation, "__metadata__", ())
+
+
+def dimension(annotation: Any) -> Dimension | None:
+    """Tell the kind of quantity that a field's type names; None where it names none.
+
+    Of several, as in ``tuple[Length, Length]`` and ``Length | None``: that of the first.
+    """
+    own = [item for item in _metadata(annotation) if isinstance(item, Dimension)]
+    if own:
+        return own[-1]  # the outermost
+    within = (dimension(inner) for inner in get_args(annotation) if not isinstance(inner, Rule))
+    return next((kind for kind in within if kind is not None), None)
+
+
 def _check(name: str, annotation: Any, value: Any) -> None:
-    metadata = getattr(annotation, "__metadata__", ())
-    for rule in (item for item in metadata if isinstance(item, Rule)):
+    for rule in (item for item in _metadata(annotation) if isinstance(item, Rule)):
         if not rule.holds(value):
-            raise ValueError(f"{name} must {rule.words}; got {value!r}")
+            kind = dimension(annotation)
+            words = rule.words if kind is None else rule.words.replace(_SI, f", in {kind.unit}" if kind.unit else "")
+            raise ValueError(f"{name} must {words}; got {value!r}")
     if type(None) in get_args(annotation) and value is not None:  # Positive | None
         for option in get_args(annotation):
             _check(name, option, value)

@@ -8,7 +8,8 @@ from typing import Annotated, Literal, get_args
 
 import sympy
 
-from gripper.fields import Point, Positive, Profile, Rule, check_fields
+from gripper.expression.dimensions import PASCAL, PURE, unit
+from gripper.fields import Finite, Length, LengthProfile, Positive, Profile, Ratio, Rule, Stress, check_fields
 from gripper.kinks import kinks_of
 from gripper.pose import Placeable
 
@@ -21,7 +22,9 @@ REPEATED = 0.6
 LawName = Literal["linear", "secant", "logarithmic", "st_venant_kirchhoff", "neo_hookean"]
 """Laws of a material."""
 
-PoissonRatio = Annotated[float, Rule("lie above -1 and at most at 0.5", lambda v: -1 < v <= 0.5)]
+CurvePoint = tuple[Annotated[Finite, PURE], Annotated[Finite, PASCAL]]
+"""Strain, and nominal stress in Pa."""
+PoissonRatio = Annotated[float, PURE, Rule("lie above -1 and at most at 0.5", lambda v: -1 < v <= 0.5)]
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -51,14 +54,14 @@ class Material:
         0 alone: compression mirrors tension. In plane strain all stresses are 1 / (1 - nu^2) times as large.
     """
 
-    youngs_modulus: Positive
+    youngs_modulus: Stress
     poisson_ratio: PoissonRatio
-    shear_modulus: Positive | None = None
+    shear_modulus: Stress | None = None
     plane: Literal["stress", "strain"] = "stress"
-    yield_strain: Positive | None = None
-    repeated_strain: Positive | None = None
+    yield_strain: Ratio | None = None
+    repeated_strain: Ratio | None = None
     law: LawName = "linear"
-    table: tuple[Point, ...] | None = None
+    table: tuple[CurvePoint, ...] | None = None
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -127,7 +130,7 @@ class Base:
         k, in N m per rad.
     """
 
-    rotational_stiffness: Positive
+    rotational_stiffness: Annotated[Positive, unit("N*m/rad")]
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -154,11 +157,11 @@ class Finger(Placeable, ABC):
         What it is clamped in, where that yields; None for a rigid clamp.
     """
 
-    length: Positive
-    width: Profile
+    length: Length
+    width: LengthProfile
     material: Material
     jaw: Jaw | None = None
-    rest_curvature: Profile | None = None
+    rest_curvature: Annotated[Profile, unit("1/m")] | None = None
     base: Base | None = None
 
     def __post_init__(self) -> None:

@@ -6,11 +6,12 @@ import dataclasses
 import functools
 import math
 from collections.abc import Mapping
-from typing import Literal, get_args
+from typing import Annotated, Literal, get_args
 
 import numpy as np
 import sympy
 
+from gripper.expression.dimensions import PURE
 from gripper.fields import Profile, check_fields
 
 Model = Literal["coulomb", "published"]
@@ -30,8 +31,8 @@ class Coefficients:
         mu on the jaw: a number.
     """
 
-    finger: Profile
-    jaw: float
+    finger: Annotated[Profile, PURE]
+    jaw: Annotated[float, PURE]
 
     def __post_init__(self) -> None:
         check_fields(self)

@@ -12,11 +12,12 @@ import dataclasses
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, get_args, get_origin
 
 import sympy
 
-from gripper.fields import Surface, field_types
+from gripper.expression.dimensions import PURE, Dimension
+from gripper.fields import Surface, dimension, field_types
 from gripper.fingers import Material
 from gripper.friction import Friction
 from gripper.names import known_names
@@ -36,7 +37,21 @@ def numbers(scene: Scene) -> dict[str, float]:
 
     Whole numbers (a count of lobes) and expressions in x and y are none.
     """
-    return {_key(steps): value for steps, value in _leaves(scene)}
+    return {_key(steps): value for steps, value, _ in _leaves(scene)}
+
+
+def kind(scene: Scene, key: str) -> Dimension | None:
+    """Tell what kind of quantity a number of a scene is; None where its plugin does not say.
+
+    Raises
+    ------
+    LookupError
+        The scene has no number of this key; lists the known ones.
+    """
+    _looked_up(scene, (key,))
+    if key == "friction.coefficient":
+        return PURE
+    return next(kind for steps, _, kind in _leaves(scene) if _key(steps) == key)
 
 
 def number(scene: Scene, key: str) -> float:
@@ -109,13 +124,14 @@ def _key(steps: Steps) -> str:
     return "".join(f"[{name}]" if isinstance(name, int) else f".{name}" for name in names)[1:]
 
 
-def _leaves(scene: Scene) -> Iterator[tuple[Steps, float]]:
+def _leaves(scene: Scene) -> Iterator[tuple[Steps, float, Dimension | None]]:
+    """Ways to the numbers of a scene, their values, and what kind of quantity each is."""
     whole = _whole(scene)
     for name in _TABLES:
         yield from _numbers_of(getattr(whole, name, None), (name,))
 
 
-def _numbers_of(value: Any, steps: Steps, annotation: Any = None) -> Iterator[tuple[Steps, float]]:
+def _numbers_of(value: Any, steps: Steps, annotation: Any = None) -> Iterator[tuple[Steps, float, Dimension | None]]:
     """Numbers of a field, and of the fields within."""
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         hints = {} if isinstance(value, Placed) else field_types(type(value))
@@ -125,9 +141,16 @@ def _numbers_of(value: Any, steps: Steps, annotation: Any = None) -> Iterator[tu
             yield from _numbers_of(inner, (*steps, field.name), hints.get(field.name))
     elif isinstance(value, tuple):
         for i, item in enumerate(value):
-            yield from _numbers_of(item, (*steps, i))
+            yield from _numbers_of(item, (*steps, i), _entry(annotation, i))
     elif annotation not in (int, Surface) and (found := _constant(value)) is not None:
-        yield steps, found
+        yield steps, found, dimension(annotation)
+
+
+def _entry(annotation: Any, i: int) -> Any:
+    """The type of an entry of a tuple."""
+    options = get_args(annotation) if type(None) in get_args(annotation) else (annotation,)
+    inner = next((get_args(option) for option in options if get_origin(option) is tuple), ())
+    return inner[0] if inner[1:] == (Ellipsis,) else inner[i] if i < len(inner) else None
 
 
 def _constant(value: Any) -> float | None:

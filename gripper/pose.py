@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Generic, Self, TypeVar
+from typing import Annotated, Generic, Self, TypeVar
 
 import sympy
 
+from gripper.expression.dimensions import METRE, RADIAN
 from gripper.fields import Expression, check_fields
 
 
@@ -24,9 +25,9 @@ class Pose:
     Each is a number or a sympy expression of the motion's parameter.
     """
 
-    x: Expression = 0.0
-    y: Expression = 0.0
-    angle: Expression = 0.0
+    x: Annotated[Expression, METRE] = 0.0
+    y: Annotated[Expression, METRE] = 0.0
+    angle: Annotated[Expression, RADIAN] = 0.0
 
     def __post_init__(self) -> None:
         check_fields(self)

@@ -6,7 +6,7 @@ import dataclasses
 import inspect
 import pkgutil
 import traceback
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from importlib.metadata import EntryPoint, EntryPoints, distributions, entry_points
 from typing import Any
 
@@ -14,6 +14,7 @@ from gripper.names import known_names
 
 LONGEST_MESSAGE = 300
 """Characters of a stranger's error that are repeated."""
+_UNKNOWN = ("unknown", "unknown")
 
 
 class PluginError(RuntimeError):
@@ -86,10 +87,10 @@ def installed(group: str) -> list[Record]:
     if group not in _KINDS:
         raise LookupError(f"unknown group {group!r}; known: {known_names(group, GROUPS)}")
     try:
-        return sorted({_record(point) for point in entry_points(group=group)})
+        return _records(entry_points(group=group))
     except Exception:  # one distribution's list cannot be read, and takes all others down
         readable = (points for points, _ in _each() if not isinstance(points, Exception))
-        return sorted({_record(point) for points in readable for point in points.select(group=group)})
+        return _records(point for points in readable for point in points.select(group=group))
 
 
 def unreadable() -> list[str]:
@@ -179,9 +180,16 @@ def fault(group: str, cls: Any) -> str | None:
     return _unfit(cls, _KINDS[group])
 
 
-def _record(point: EntryPoint) -> Record:
-    distribution, version = (point.dist.name, point.dist.version) if point.dist else ("unknown", "unknown")
-    return Record(point.group, point.name, str(distribution), str(version), point.value)
+def _records(points: Iterable[EntryPoint]) -> list[Record]:
+    """Entry points by name; each distribution's metadata is read once, which takes most of the time."""
+    points = list(points)  # keeps their distributions, so that no other gets the id of one
+    sources: dict[int, tuple[str, str]] = {}
+    records = set()
+    for point in points:
+        if id(point.dist) not in sources:
+            sources[id(point.dist)] = (str(point.dist.name), str(point.dist.version)) if point.dist else _UNKNOWN
+        records.add(Record(point.group, point.name, *sources[id(point.dist)], point.value))
+    return sorted(records)
 
 
 def _loaded(found: list[Record]) -> type[Any]:

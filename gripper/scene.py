@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Literal, get_args
 
-from gripper.fields import Finite, Point, Positive, check_fields
+from gripper.fields import Finite, Ratio, check_fields
 from gripper.fingers import Finger
 from gripper.friction import Friction
 from gripper.limits import Limits
@@ -87,11 +87,11 @@ class Scene:
     finger: Placed[Finger] | Finger
     object: Placed[Object] | Object
     motion: Motion | None = None
-    approach: Point = (0.0, 1.0)
+    approach: tuple[Finite, Finite] = (0.0, 1.0)
     friction: Friction | None = None
     theory: Theory = "auto"
-    tolerance: Positive = 1e-4
-    theory_tolerance: Positive = 5e-3
+    tolerance: Ratio = 1e-4
+    theory_tolerance: Ratio = 5e-3
     title: str = ""
     limits: Limits | None = None
     tolerances: Tolerances | None = None

@@ -64,7 +64,7 @@ TEXT = {
     GOOD.replace("poses = 3", "poses = -3"): "motion.poses: must lie between 2 and 100000; got -3",
     GOOD.replace("0.086", "nan"): "motion.from: must be a finite number; got nan",
     GOOD.replace("0.086", "-inf"): "motion.from: must be a finite number; got -inf",
-    GOOD.replace('"57 mm"', "0"): "finger.length: must be a positive number, in SI units; got 0",
+    GOOD.replace('"57 mm"', "0"): "finger.length: must be a positive number, in m; got 0",
     GOOD.replace('"57 mm"', "-1"): "finger.length: must be a positive number",
     GOOD.replace('"57 mm"', "[57]"): "finger.length: must be a number, or an expression in a string; got [57]",
     GOOD.replace('"57 mm"', '"57 foo"'): "finger.length: must hold known names only, not 'foo'; known: pi, ",

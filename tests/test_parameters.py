@@ -102,5 +102,5 @@ def test_an_unknown_key_lists_the_known_ones(key):
 
 
 def test_a_number_that_breaks_its_rule_says_so():
-    with pytest.raises(ValueError, match="tip_thickness must be a positive number, in SI units; got -1"):
+    with pytest.raises(ValueError, match="tip_thickness must be a positive number, in m; got -1"):
         replaced(TURNING, {"finger.tip_thickness": -1.0})

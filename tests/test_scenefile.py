@@ -95,8 +95,7 @@ REFUSED = {
     + "[[loads]]\ntype = 'following_force'\nforce = [0, 1]\n": "loads must have a potential that stays as it is",
     SCENE
     + "[tolerance]\nlength = 3\n": "tolerance.length: must be the key of a number (unknown number 'length'; known: ",
-    SCENE
-    + "[tolerance]\nfinger.length = 0\n": "tolerance.finger.length: must be a positive number, in SI units; got 0",
+    SCENE + "[tolerance]\nfinger.length = 0\n": "tolerance.finger.length: must be a positive number, in m; got 0",
     SCENE + "[friction]\npair = ['POM', 'wood']\n": "friction.pair: must be a pair with a known coefficient",
     SCENE + "[friction]\npair = 'POM'\n": "friction.pair: must be two materials",
     SCENE + "[friction]\npair = ['POM', 'steel']\ncoefficient = 1\n": "friction: must have either coefficient or pair",
@@ -127,7 +126,7 @@ REFUSED = {
         "finger.jaw.side: must be 'lower' or 'upper'; got 'left'"
     ),
     # numbers
-    SCENE.replace('"8.9 mm"', "-1"): "object.radius: must be a positive number, in SI units; got -1.0",
+    SCENE.replace('"8.9 mm"', "-1"): "object.radius: must be a positive number, in m; got -1.0",
     SCENE.replace('"8.9 mm"', "nan"): "object.radius: must be a finite number; got nan",
     SCENE.replace('"8.9 mm"', "-inf"): "object.radius: must be a finite number; got -inf",
     SCENE.replace('"8.9 mm"', "true"): "object.radius: must be a number, or an expression in a string; got true",

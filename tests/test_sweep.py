@@ -44,7 +44,7 @@ def test_every_variant_is_a_row_with_the_summary_of_its_scene_or_its_reason():
     assert [row.values for row in table.rows] == list(Plan(OVER).variants())
     for row in table.rows:
         if row.values[1] < 0:
-            assert row.reason == "thickness must be a positive number, in SI units; got -0.05"
+            assert row.reason == "thickness must be a positive number, in m; got -0.05"
             continue
         alone = gr.solve(replaced(POSE, dict(zip(OVER, row.values, strict=True)))).summary()
         assert (row.reason, row.summary) == (None, alone)
@@ -179,7 +179,7 @@ def test_the_command_writes_table_and_figures_and_tells_what_failed(tmp_path):
     assert (outcome.exit_code, outcome.stderr) == (1, "")
     lines = outcome.stdout.splitlines()
     assert lines[0] == "1 of 2 variants have an answer"
-    assert lines[1] == "  finger.thickness = -0.001: thickness must be a positive number, in SI units; got -0.001"
+    assert lines[1] == "  finger.thickness = -0.001: thickness must be a positive number, in m; got -0.001"
     assert lines[2:] == [str(tmp_path / "out" / name) for name in ("sweep.csv", "strain.png", "force_on_object.png")]
     assert all((tmp_path / "out" / line.rsplit("/", 1)[1]).stat().st_size > 0 for line in lines[2:])
 

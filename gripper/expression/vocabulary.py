@@ -20,7 +20,7 @@ MOST_ARGUMENTS = 10
 
 SCALES = {
     **{"um": "1e-6", "mm": "1e-3", "cm": "1e-2", "m": "1", "in": "0.0254"},
-    **{"Pa": "1", "kPa": "1e3", "MPa": "1e6", "GPa": "1e9", "N": "1", "mN": "1e-3"},
+    **{"Pa": "1", "kPa": "1e3", "MPa": "1e6", "GPa": "1e9", "N": "1", "mN": "1e-3", "kg": "1", "J": "1"},
 }
 """Units that are a decimal number of SI units."""
 UNITS = {name: float(scale) for name, scale in SCALES.items()} | {"deg": math.radians(1), "rad": 1.0}

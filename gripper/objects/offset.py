@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from gripper.fields import Positive
+from gripper.fields import Length
 from gripper.objects.base import Array, Box, Object, chord_tolerance
 from gripper.objects.compiled import PerInstance
 from gripper.objects.contour import refined, settled
@@ -46,7 +46,7 @@ class Offset(Object):
     """
 
     part: Part
-    distance: Positive
+    distance: Length
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -5,15 +5,20 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+from gripper.expression import written_kind
+from gripper.expression.dimensions import NEWTON, Dimension, unit
 from gripper.fingers import Material
 from gripper.limits import LIMITS, Limits
 from gripper.materials import PLASTICS, friction_range, material
-from gripper.parameters import number
+from gripper.parameters import kind
+from gripper.results.summary import QUANTITIES
 from gripper.scene import Scene
 from gripper.scenefile.place import Place, Table, as_table, check_keys, shown
 from gripper.scenefile.tables import build
 from gripper.scenefile.values import read_number
 from gripper.tolerances import Tolerances
+
+_WORK = unit("J")
 
 
 def read_material(value: Any, place: Place) -> Material:
@@ -40,13 +45,24 @@ def read_pair(value: Any, place: Place) -> float:
         raise place.error(f"must be a pair with a known coefficient ({error})", shown(value)) from None
 
 
-def read_limits(value: Any, place: Place) -> Limits:
-    """Read [limits]: max_ and min_ before the names of the summary's quantities."""
+def read_limits(value: Any, place: Place, parameter: Dimension | None = None) -> Limits:
+    """Read [limits]: max_ and min_ before the names of the summary's quantities; the motion's parameter has a kind."""
     table = as_table(value, place)
     check_keys(table, LIMITS, place)
     if not table:
         raise place.error(f"must hold at least one of {', '.join(LIMITS)}", shown(table))
-    return Limits({name: read_number(bound, place.at(name)) for name, bound in table.items()})
+    return Limits({name: _bound(name[4:], bound, place.at(name), parameter) for name, bound in table.items()})
+
+
+def _bound(quantity: str, value: Any, place: Place, parameter: Dimension | None) -> float:
+    """Read a limit; forces of a motion are work per unit of its parameter, a length or not."""
+    kind: Dimension | None = unit(QUANTITIES[quantity] or "1")
+    if quantity in ("insertion_force", "retention_force"):
+        kind = _WORK.times(parameter, -1) if parameter is not None else None
+    bound = read_number(value, place, kind)
+    if kind is None and isinstance(value, str) and written_kind(value) not in (None, NEWTON, _WORK):
+        raise place.error("must be a force, in N, or where the motion turns a moment, in N*m", shown(value))
+    return bound
 
 
 def read_tolerances(value: Any, place: Place, scene: Scene) -> Tolerances:
@@ -57,12 +73,12 @@ def read_tolerances(value: Any, place: Place, scene: Scene) -> Tolerances:
     for key, width in _flat(value, ""):
         at = Place(place.file, f"{place.key}.{key}")
         try:
-            number(scene, key)
+            of = kind(scene, key)
         except LookupError as error:
             raise at.error(f"must be the key of a number ({error})", shown(width)) from None
-        bands[key] = read_number(width, at)
+        bands[key] = read_number(width, at, of)
         if bands[key] <= 0:
-            raise at.error("must be a positive number, in SI units", shown(width))
+            raise at.error(f"must be a positive number, in {of.unit if of else 'SI units'}", shown(width))
     return Tolerances(bands)
 
 

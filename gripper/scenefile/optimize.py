@@ -7,6 +7,7 @@ import os
 from pathlib import Path
 from typing import Any
 
+from gripper.parameters import kind
 from gripper.scene import Scene
 from gripper.scenefile import sections, toml
 from gripper.scenefile.place import Place, shown
@@ -56,10 +57,11 @@ def read_design(path: str | os.PathLike[str]) -> Task:
     starts, seed = (read_count(table.get(key, default), at.at(key)) for key, default in (("starts", 3), ("seed", 0)))
     if not 1 <= starts <= 1000:
         raise at.at("starts").error("must lie between 1 and 1000", str(starts))
-    return Task(sections.scene(tables, place), _free(table.get("free"), at.at("free")), goal, starts, seed)
+    made = sections.scene(tables, place)
+    return Task(made, _free(table.get("free"), at.at("free"), made), goal, starts, seed)
 
 
-def _free(table: Any, place: Place) -> dict[str, tuple[float, float]]:
+def _free(table: Any, place: Place, scene: Scene, above: str = "") -> dict[str, tuple[float, float]]:
     """Bounds by key; a key of several parts may be written as tables."""
     if not isinstance(table, dict) or not table:
         raise place.error('must be a table of bounds, as "finger.thickness" = ["2 mm", "5 mm"]', shown(table))
@@ -67,12 +69,16 @@ def _free(table: Any, place: Place) -> dict[str, tuple[float, float]]:
     for key, value in table.items():
         at = place.at(key)
         if isinstance(value, dict):
-            found |= {f"{key}.{inner}": pair for inner, pair in _free(value, at).items()}
+            found |= _free(value, at, scene, f"{above}{key}.")
             continue
         if not isinstance(value, list) or len(value) != 2:
             raise at.error("must be two numbers, least and largest", shown(value))
-        low, high = (read_number(item, at.entry(i)) for i, item in enumerate(value))
+        try:
+            of = kind(scene, above + key)
+        except LookupError as error:
+            raise at.error(f"must be the key of a number ({error})", shown(value)) from None
+        low, high = (read_number(item, at.entry(i), of) for i, item in enumerate(value))
         if not low < high:
             raise at.error("must be two numbers, the first smaller", shown(value))
-        found[key] = (low, high)
+        found[above + key] = (low, high)
     return found

@@ -8,8 +8,9 @@ from typing import Any, get_args
 
 import sympy
 
-from gripper.expression import is_name, is_reserved
-from gripper.fields import Point
+from gripper.expression import Names, is_name, is_reserved, written_kind
+from gripper.expression.dimensions import METRE, PURE, RADIAN, Dimension
+from gripper.fields import Finite
 from gripper.fingers import Base, Finger, Jaw, Material
 from gripper.friction import Friction, Model, Sense
 from gripper.loads import Load
@@ -55,15 +56,13 @@ LONGEST_TITLE = 500
 """Characters."""
 _DEEPEST = 8  # objects within objects
 
-Names = tuple[str, ...]
-
 
 def scene(tables: Table, place: Place) -> Scene:
     """Make the scene of a file's tables."""
     check_keys(tables, _KEYS, place)
     check_given(tables, ("material", "finger", "object"), place)
     motion = _motion(*_section(tables, "motion", place)) if "motion" in tables else None
-    names = (motion.parameter,) if motion else ()
+    names = {motion.parameter: _kind_of_motion(tables["motion"], place.at("motion"))} if motion else {}
     material = read_material(tables["material"], place.at("material"))
     finger = _finger(tables["finger"], place.at("finger"), material, names)
     target = _object(*_section(tables, "object", place), names)
@@ -72,7 +71,7 @@ def scene(tables: Table, place: Place) -> Scene:
     if "loads" in tables:
         optional["loads"] = _loads(tables["loads"], place.at("loads"), names)
     if "limits" in tables:
-        optional["limits"] = read_limits(tables["limits"], place.at("limits"))
+        optional["limits"] = read_limits(tables["limits"], place.at("limits"), *names.values())
     optional["title"] = _title(tables, place)
     try:
         made = Scene(finger=finger, object=target, motion=motion, **optional)
@@ -177,7 +176,8 @@ def _sound(instance: Any, place: Place) -> Any:
 
 def _pose(table: Table, place: Place, names: Names) -> Pose:
     check_keys(table, ("x", "y", "angle"), place)
-    return Pose(**{key: read_expression(value, names, place.at(key)) for key, value in table.items()})
+    kinds = {"x": METRE, "y": METRE, "angle": RADIAN}
+    return Pose(**{key: read_expression(value, names, place.at(key), kinds[key]) for key, value in table.items()})
 
 
 def rebuilt(cls: type[Any], table: Table, made: Table, names: Names = ()) -> Any:
@@ -215,15 +215,27 @@ def _motion(table: Table, place: Place) -> Motion:
         raise place.broken(error, {key: key for key in table}) from None
 
 
+def _kind_of_motion(table: Table, place: Place) -> Dimension | None:
+    """Tell what kind of quantity the parameter is, where units are written; refuse values of several kinds."""
+    values = table.get("values", [])
+    texts = {f"values[{i}]": value for i, value in enumerate(values)} | {key: table.get(key) for key in ("from", "to")}
+    kinds = {key: kind for key, text in texts.items() if isinstance(text, str) and (kind := written_kind(text))}
+    first = next(iter(kinds.values()), None)
+    for key, kind in kinds.items():
+        if kind != first:
+            raise place.at(key).error(f"must be {first}, as the values before it", f"{shown(texts[key])}, {kind.word}")
+    return first
+
+
 def _approach(table: Table, place: Place) -> Table:
     check_keys(table, ("direction",), place)
-    return {"approach": converted(Point, table["direction"], place.at("direction"))} if table else {}
+    return {"approach": converted(tuple[Finite, Finite], table["direction"], place.at("direction"))} if table else {}
 
 
 def _solver(table: Table, place: Place) -> Table:
     check_keys(table, ("theory", "tolerance", "theory_tolerance"), place)
     _choice(table, "theory", get_args(Theory), place)
-    numbers = {key: read_number(table[key], place.at(key)) for key in table if key.endswith("tolerance")}
+    numbers = {key: read_number(table[key], place.at(key), PURE) for key in table if key.endswith("tolerance")}
     return table | numbers
 
 
@@ -249,8 +261,8 @@ def _friction(table: Table, place: Place) -> Table:
 
 def _coefficient(value: Any, place: Place) -> float | sympy.Expr | Table:
     if not isinstance(value, dict):
-        return read_expression(value, ("s",), place)
+        return read_expression(value, ("s",), place, PURE)
     check_keys(value, ("finger", "jaw"), place)
     check_given(value, ("finger", "jaw"), place)
-    finger = read_expression(value["finger"], ("s",), place.at("finger"))
-    return {"finger": finger, "jaw": read_number(value["jaw"], place.at("jaw"))}
+    finger = read_expression(value["finger"], ("s",), place.at("finger"), PURE)
+    return {"finger": finger, "jaw": read_number(value["jaw"], place.at("jaw"), PURE)}

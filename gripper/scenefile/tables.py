@@ -8,6 +8,7 @@ from typing import Any, TypeVar, get_type_hints
 
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 
+from gripper.expression import Names
 from gripper.registry import record_of
 from gripper.scenefile.place import Place, SceneFileError, Table, check_given, check_keys, shown
 from gripper.scenefile.values import Nest, converted
@@ -24,7 +25,7 @@ def build(
     made: Table | None = None,
     other: Iterable[str] = (),
     nest: Nest | None = None,
-    names: tuple[str, ...] = (),
+    names: Names = (),
 ) -> Instance:
     """Make an instance of a frozen dataclass, a plugin or the material, from a table.
 
@@ -43,7 +44,7 @@ def build(
     nest
         Makes the plugins that stand in fields of this one.
     names
-        Symbols of the motion that expressions may hold where a field says so.
+        The motion's parameter, with its kind, which expressions may hold where a field says so.
 
     Raises
     ------

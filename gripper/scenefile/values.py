@@ -3,28 +3,28 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection
+from collections.abc import Callable
 from types import UnionType
 from typing import Annotated, Any, TypeAlias, Union, get_args, get_origin
 
 import sympy
 
-from gripper.expression import number, parse
+from gripper.expression import Names, number, parse
+from gripper.expression.dimensions import PURE, Dimension
 from gripper.fields import Nested, OfMotion, Variables
 from gripper.scenefile.place import Place, shown
 
 Nest: TypeAlias = Callable[[str, Any, Place], Any]
 """Makes a plugin of a group from a table at a place."""
-Names: TypeAlias = tuple[str, ...]
 
 LARGEST = 1e30
 """Magnitude of a number, in SI units: its square's square is still a float."""
 
 
-def read_number(value: Any, place: Place) -> float:
-    """Read a number, or an expression in a string."""
+def read_number(value: Any, place: Place, kind: Dimension | None = None) -> float:
+    """Read a number, or an expression in a string, whose units must be those of a kind of quantity."""
     if isinstance(value, str):
-        result = float(_computed(value, place, number))
+        result = float(_computed(value, place, lambda text: number(text, kind)))
         return _bounded(result, value, place)
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise place.error("must be a number, or an expression in a string", shown(value))
@@ -45,17 +45,17 @@ def _bounded(number: float, value: Any, place: Place) -> float:
 
 def read_count(value: Any, place: Place) -> int:
     """Read a whole number."""
-    count = read_number(value, place)
+    count = read_number(value, place, PURE)
     if not count.is_integer():
         raise place.error("must be a whole number", shown(value))
     return int(count)
 
 
-def read_expression(value: Any, names: Collection[str], place: Place) -> float | sympy.Expr:
+def read_expression(value: Any, names: Names, place: Place, kind: Dimension | None = None) -> float | sympy.Expr:
     """Read a number, or an expression that may hold these symbols; a number where it holds none."""
     if not isinstance(value, str):
         return read_number(value, place)
-    expression = _computed(value, place, lambda text: parse(text, names))
+    expression = _computed(value, place, lambda text: parse(text, names, kind))
     return expression if expression.free_symbols else _bounded(float(expression), value, place)
 
 
@@ -74,14 +74,7 @@ def converted(annotation: Any, value: Any, place: Place, nest: Nest | None = Non
     """
     origin, arguments = get_origin(annotation), get_args(annotation)
     if origin is Annotated:
-        nested = next((item for item in arguments[1:] if isinstance(item, Nested)), None)
-        if nested and nest:
-            return nest(nested.group, value, place)
-        variables = next((item for item in arguments[1:] if isinstance(item, Variables)), None)
-        plain = arguments[0]
-        if any(isinstance(item, OfMotion) for item in arguments[1:]):
-            return read_expression(value, names, place)
-        return _text(plain, value, variables, place) if variables else converted(plain, value, place, nest, names)
+        return _annotated(arguments[0], arguments[1:], value, place, nest, names)
     if origin in (Union, UnionType):
         return _one_of(arguments, value, place, nest, names)
     if origin is tuple:
@@ -93,9 +86,25 @@ def converted(annotation: Any, value: Any, place: Place, nest: Nest | None = Non
     return read_count(value, place) if annotation is int else value
 
 
-def _text(annotation: Any, value: Any, variables: Variables, place: Place) -> Any:
-    if float in get_args(annotation):
-        return read_expression(value, variables.names, place)
+def _annotated(plain: Any, metadata: tuple[Any, ...], value: Any, place: Place, nest: Nest | None, names: Names) -> Any:
+    """Read what a type with metadata asks for."""
+
+    def found(kind: type[Any]) -> Any:
+        return next((item for item in reversed(metadata) if isinstance(item, kind)), None)
+
+    nested, variables, kind = found(Nested), found(Variables), found(Dimension)
+    if nested and nest:
+        return nest(nested.group, value, place)
+    if found(OfMotion):
+        return read_expression(value, names, place, kind)
+    if variables and float in get_args(plain):
+        return read_expression(value, variables.names, place, kind)
+    if variables:
+        return _text(value, variables, place)
+    return read_number(value, place, kind) if plain is float else converted(plain, value, place, nest, names)
+
+
+def _text(value: Any, variables: Variables, place: Place) -> Any:
     if not isinstance(value, str):
         raise place.error(f"must be an expression in {' and '.join(variables.names)}, in a string", shown(value))
     return _computed(value, place, lambda text: parse(text, variables.names))

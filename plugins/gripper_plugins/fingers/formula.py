@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import sympy
 
-from gripper.fields import Profile
+from gripper.fields import LengthProfile
 from gripper.fingers import Finger, S
 
 
@@ -23,7 +23,7 @@ class Formula(Finger):
         As every `gripper.fingers.Finger`; the width b may be an expression in s, too.
     """
 
-    thickness: Profile
+    thickness: LengthProfile
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import sympy
 
-from gripper.fields import Finite, Positive
+from gripper.fields import Coordinate, Length
 from gripper.fingers import Finger
 
 FLANK = 0.1  # a jump's run over the height of its step on each face
@@ -32,8 +32,8 @@ class Stepped(Finger):
         The stations do not run from 0 to L, are not as many as the thicknesses, or leave no room for a flank.
     """
 
-    stations: tuple[Finite, ...]
-    thicknesses: tuple[Positive, ...]
+    stations: tuple[Coordinate, ...]
+    thicknesses: tuple[Length, ...]
 
     def __post_init__(self) -> None:
         super().__post_init__()

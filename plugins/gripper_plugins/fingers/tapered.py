@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import sympy
 
-from gripper.fields import Positive
+from gripper.fields import Length
 from gripper.fingers import Finger
 
 
@@ -22,8 +22,8 @@ class Tapered(Finger):
         As every `gripper.fingers.Finger`.
     """
 
-    base_thickness: Positive
-    tip_thickness: Positive
+    base_thickness: Length
+    tip_thickness: Length
 
     def w(self, s: sympy.Expr) -> sympy.Expr:
         """Write the thickness, in m."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import sympy
 
-from gripper.fields import Positive
+from gripper.fields import Length
 from gripper.fingers import Finger
 
 
@@ -22,7 +22,7 @@ class Uniform(Finger):
         As every `gripper.fingers.Finger`.
     """
 
-    thickness: Positive
+    thickness: Length
 
     def w(self, s: sympy.Expr) -> sympy.Expr:
         """Write the thickness, in m."""

@@ -8,10 +8,10 @@ from typing import Annotated, Any, Literal
 
 import sympy
 
-from gripper.fields import Positive, Rule
+from gripper.fields import Angle, Length, Rule
 from gripper.fingers import Jaw
 
-Angle = Annotated[float, Rule("lie between 0 and pi, in rad", lambda angle: 0 < angle < math.pi)]
+Corner = Annotated[Angle, Rule("lie between 0 and pi, in rad", lambda angle: 0 < angle < math.pi)]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,9 +36,9 @@ class Triangle(Jaw):
         The angles make no triangle.
     """
 
-    length: Positive
-    lead_angle: Angle
-    return_angle: Angle
+    length: Length
+    lead_angle: Corner
+    return_angle: Corner
     side: Literal["lower", "upper"] = "lower"
 
     def __post_init__(self) -> None:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import sympy
 
-from gripper.fields import Point, Positive, Varying
+from gripper.fields import Length, Point, VaryingForce
 from gripper.fingers import Finger
 from gripper.loads import Action, Load, Section
 
@@ -25,8 +25,8 @@ class FollowingForce(Load):
         Its point of that section: along the finger, and across it from the neutral axis, in m.
     """
 
-    force: tuple[Varying, Varying]
-    s: Positive | None = None
+    force: tuple[VaryingForce, VaryingForce]
+    s: Length | None = None
     offset: Point = (0.0, 0.0)
 
     def stations(self, finger: Finger) -> tuple[float, ...]:

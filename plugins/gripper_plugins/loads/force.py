@@ -7,7 +7,7 @@ from typing import Literal
 
 import sympy
 
-from gripper.fields import Point, Positive, Varying
+from gripper.fields import Length, Point, VaryingForce
 from gripper.fingers import Finger
 from gripper.loads import PotentialLoad, Section
 
@@ -28,8 +28,8 @@ class Force(PotentialLoad):
         Whose axes x and y are: "world", or "finger" (the clamp's).
     """
 
-    force: tuple[Varying, Varying]
-    s: Positive | None = None
+    force: tuple[VaryingForce, VaryingForce]
+    s: Length | None = None
     offset: Point = (0.0, 0.0)
     frame: Literal["world", "finger"] = "world"
 

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Literal
 
 import sympy
 
+from gripper.expression.dimensions import unit
 from gripper.fields import Positive, Profile, Varying
 from gripper.fingers import Finger, S
 from gripper.loads import PotentialLoad, Section
+
+Acceleration = Annotated[Varying, unit("m/s**2")]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,9 +34,9 @@ class Gravity(PotentialLoad):
         Neither density nor mass_per_length is given, or both are.
     """
 
-    density: Positive | None = None
-    mass_per_length: Profile | None = None
-    acceleration: tuple[Varying, Varying] = (0.0, -9.80665)
+    density: Annotated[Positive, unit("kg/m**3")] | None = None
+    mass_per_length: Annotated[Profile, unit("kg/m")] | None = None
+    acceleration: tuple[Acceleration, Acceleration] = (0.0, -9.80665)
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import sympy
 
-from gripper.fields import Positive, Varying
+from gripper.expression.dimensions import unit
+from gripper.fields import Length, Varying
 from gripper.fingers import Finger
 from gripper.loads import PotentialLoad, Section
 
@@ -23,8 +25,8 @@ class Moment(PotentialLoad):
         Arc length of the section that it acts on, in m; None for the tip.
     """
 
-    moment: Varying
-    s: Positive | None = None
+    moment: Annotated[Varying, unit("N*m")]
+    s: Length | None = None
 
     def stations(self, finger: Finger) -> tuple[float, ...]:
         """Name the section that it acts on."""

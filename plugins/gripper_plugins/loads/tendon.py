@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import sympy
 
-from gripper.fields import Finite, Positive, Varying
+from gripper.fields import Coordinate, Length, VaryingForce
 from gripper.fingers import Finger
 from gripper.loads import PotentialLoad, Section
 
@@ -34,9 +34,9 @@ class Tendon(PotentialLoad):
         No guide, guides that do not rise, or a tension below 0.
     """
 
-    tension: Varying
-    offset: Finite
-    guides: tuple[Positive, ...]
+    tension: VaryingForce
+    offset: Coordinate
+    guides: tuple[Length, ...]
 
     def __post_init__(self) -> None:
         super().__post_init__()

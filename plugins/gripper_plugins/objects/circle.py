@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import sympy
 
-from gripper.fields import Positive
+from gripper.fields import Length
 from gripper.objects import ImplicitSurface
 
 
@@ -20,7 +20,7 @@ class Circle(ImplicitSurface):
         Radius R, in m.
     """
 
-    radius: Positive
+    radius: Length
 
     def g(self, x: sympy.Expr, y: sympy.Expr) -> sympy.Expr:
         """Write the circle's g: |grad g| = 1 on the outline."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import sympy
 
-from gripper.fields import Positive
+from gripper.fields import Length
 from gripper.objects import ImplicitSurface
 
 
@@ -20,7 +20,7 @@ class Ellipse(ImplicitSurface):
         Semi-axes (a, b), in m.
     """
 
-    semi_axes: tuple[Positive, Positive]
+    semi_axes: tuple[Length, Length]
 
     def g(self, x: sympy.Expr, y: sympy.Expr) -> sympy.Expr:
         """Write the ellipse's g: on the outline |grad g| <= 1, and 1 at the ends of the minor axis."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import sympy
 
 from gripper.expression import parse
-from gripper.fields import Positive, Surface
+from gripper.fields import Length, Surface
 from gripper.objects import ImplicitSurface, typical_slope
 
 
@@ -25,7 +25,7 @@ class Implicit(ImplicitSurface):
     """
 
     expression: Surface
-    extent: Positive
+    extent: Length
 
     def __post_init__(self) -> None:
         if isinstance(self.expression, str):

@@ -7,10 +7,10 @@ from typing import Annotated
 
 import sympy
 
-from gripper.fields import Positive, Rule
+from gripper.fields import Length, Ratio, Rule
 from gripper.objects import ImplicitSurface
 
-Exponent = Annotated[float, Rule("lie between 2 (an ellipse) and 20, without unit", lambda n: 2 <= n <= 20)]
+Exponent = Annotated[Ratio, Rule("lie between 2 (an ellipse) and 20, without unit", lambda n: 2 <= n <= 20)]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,7 +25,7 @@ class Superellipse(ImplicitSurface):
         n, from 2 (an ellipse) up; the larger, the more of a rectangle.
     """
 
-    semi_axes: tuple[Positive, Positive]
+    semi_axes: tuple[Length, Length]
     exponent: Exponent
 
     def g(self, x: sympy.Expr, y: sympy.Expr) -> sympy.Expr:
