@@ -365,8 +365,6 @@ def test_a_law_that_cannot_be_is_refused(changes: dict, rule: str) -> None:
 def test_what_does_not_know_a_law_refuses_it() -> None:
     scene = of("logarithmic", rotating_finger(0.08, 0.0508))
     result = gr.trace(scene)
-    with pytest.raises(ValueError, match="law must be left out, to be differentiated; got 'logarithmic'"):
-        result.sensitivity("finger.tip_thickness")
     with pytest.raises(ValueError, match="law must be 'linear', as the paper's is"):
         solve_as_published(scene, 0.0508)
     kept = result.poses[-1].kept

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import pickle
+import re
 
 import numpy as np
 import pytest
@@ -23,6 +24,7 @@ from gripper.statics.certificate import survey
 from gripper.statics.newton import settle
 from gripper.statics.verified import Verified
 from gripper_plugins.fingers.tapered import Tapered
+from gripper_plugins.loads import FollowingForce, Force, Gravity, Moment, Tendon
 from gripper_plugins.objects.circle import Circle
 from gripper_plugins.objects.ellipse import Ellipse
 from gripper_plugins.objects.polygon import Polygon
@@ -73,6 +75,48 @@ MOTIONS = {
     "bent at rest by a step, touching nothing": bent(sympy.Piecewise((0.8, S < 0.35), (-0.5, True)), theory="shear"),
 }
 
+BASE = gr.Base(rotational_stiffness=8.0)
+TENDON = Tendon(tension=5.0, offset=-0.009, guides=(0.06, 0.15))
+SHARP = ((0.005, 12.6e6), (0.01, 23.5e6), (0.02, 41e6), (0.04, 59e6))
+
+
+def made(scene, **options):
+    """The scene with another base or another material's law."""
+    base, law = options.pop("base", None), options
+    finger = scene.finger.body if isinstance(scene.finger, gr.Placed) else scene.finger
+    other = dataclasses.replace(finger, base=base, material=dataclasses.replace(finger.material, **law))
+    placed = dataclasses.replace(scene.finger, body=other) if isinstance(scene.finger, gr.Placed) else other
+    return dataclasses.replace(scene, finger=placed)
+
+
+LOADED = {
+    "II, an elastic base, slipping": made(rotating_finger(-0.1016, 0.0, friction=SLIPPERY), base=BASE),
+    "I, hook's corner, an elastic base, stretch": made(micro_assembly(0.086, 0.0629, theory="stretch"), base=BASE),
+    "II, in its weight, pushed at the tip": rotating_finger(
+        -0.1016, 0.0, loads=(Gravity(density=1150.0), Force(force=(0.3, -0.2 + 3 * Q), offset=(0.002, 0.005)))
+    ),
+    "II, a tendon and a moment": rotating_finger(-0.1016, 0.0, loads=(TENDON, Moment(moment=0.02, s=0.11))),
+    "I, a dead force in the clamp's axes, slipping": micro_assembly(
+        0.086, 0.0678, friction=ROUGH, loads=(Force(force=(0.5, 0.3), s=0.03, frame="finger"),)
+    ),
+    "a following force, stretch, an elastic base": made(
+        pushed(Circle(radius=0.02), 0.0, "stretch", loads=(FollowingForce(force=(-1.0, -0.6), s=0.1),)), base=BASE
+    ),
+    "bent at rest, in its weight, touching nothing": bent(
+        -1.0 + 3.0 * S, theory="bending", loads=(Gravity(mass_per_length=0.02 + 0.01 * S),)
+    ),
+}
+LAWS = {
+    "II, neo-Hookean, plane strain, slipping": made(
+        rotating_finger(-0.1016, 0.0, friction=SLIPPERY), law="neo_hookean", plane="strain"
+    ),
+    "II, logarithmic, stretch": made(rotating_finger(-0.1016, 0.0, theory="stretch"), law="logarithmic"),
+    "I, lead face, a measured curve": made(micro_assembly(0.086, 0.0678), law="secant", table=SHARP),
+    "II, St. Venant-Kirchhoff, an elastic base": made(
+        rotating_finger(-0.1016, 0.0), law="st_venant_kirchhoff", base=BASE
+    ),
+}
+
 
 def read(pose, name):
     """A number of a pose, as an array."""
@@ -96,10 +140,26 @@ def solved(scene, state, parameter):
 
 @pytest.mark.parametrize("motion", MOTIONS)
 def test_derivatives_are_those_of_the_discrete_equations_by_every_number(motion):
-    scene = MOTIONS[motion]
+    agree_with_differences(MOTIONS[motion], "")
+
+
+@pytest.mark.parametrize("motion", LOADED)
+def test_so_are_those_by_loads_and_by_an_elastic_base(motion):
+    agree_with_differences(LOADED[motion], r"loads|finger.base|length|angle|youngs|thickness|rest|object.pose.y")
+
+
+@pytest.mark.parametrize("motion", LAWS)
+def test_so_are_those_under_a_law_of_the_material_s_own(motion):
+    agree_with_differences(LAWS[motion], r"material|finger.base|length|thickness|coefficient")
+
+
+def agree_with_differences(scene, keys):
+    """Compare the derivatives of a motion's last pose, by the numbers whose keys match, with central differences."""
     *_, last = follow(scene)
     result = gr.trace(scene)
     for key, sensitivity in result.sensitivities().items():
+        if not re.search(keys, key):
+            continue
         value, exact = numbers(scene)[key], sensitivity.poses[-1]
         step = 1e-3 * (1.0 if key == "finger.rest_curvature" else abs(value) or 1e-2)
         shifted = {
@@ -317,6 +377,15 @@ def test_a_pose_without_an_answer_has_no_derivative_and_says_why():
     assert found.kind == "none"
     assert found.reason == result.poses[1].reason
     assert found.energy is None
+
+
+def test_two_loads_on_one_section_have_no_derivative_by_the_place_of_one():
+    loads = (Moment(moment=0.02, s=0.06), Force(force=(0.0, 0.5), s=0.06))
+    result = gr.trace(rotating_finger(-0.1016, loads=loads))
+    with pytest.raises(ValueError, match=r"a load must act on the tip .* away from it, kinks and other loads"):
+        result.sensitivity("loads[1].s")
+    assert result.sensitivity("loads[1].force[1]").energy
+    assert set(numbers(result.scene)) - set(result.sensitivities()) == {"loads[0].s", "loads[1].s"}
 
 
 def test_what_has_no_derivative_is_refused():

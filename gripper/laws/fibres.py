@@ -39,6 +39,14 @@ class Fibre(ABC):
         """
         return 0.0, 0.0
 
+    def begins_rates(self, ratio: float, rate: float) -> tuple[float, float]:
+        """Rates of both by nu, of which the plane's ratio has this one."""
+        return 0.0, 0.0
+
+    def by_numbers(self, strain: Array) -> dict[str, tuple[Array, Array]]:
+        """Rates of energy and stress at strains within the span by the material's numbers, by their names."""
+        return {}
+
     @abstractmethod
     def known(self, strain: Array) -> Answer:
         """The answer at strains within the span."""
@@ -70,6 +78,10 @@ class Logarithmic(Fibre):
         """As the base says."""
         return -1.5, ratio * (1 + ratio) / 2
 
+    def begins_rates(self, ratio: float, rate: float) -> tuple[float, float]:
+        """As the base says."""
+        return 0.0, rate * (1 + 2 * ratio) / 2
+
     def known(self, strain: Array) -> Answer:
         """As the base says."""
         stretch = 1 + strain
@@ -89,6 +101,10 @@ class StVenantKirchhoff(Fibre):
     def begins(self, ratio: float) -> tuple[float, float]:
         """As the base says."""
         return 1.5, -ratio * (1 + ratio) / 2
+
+    def begins_rates(self, ratio: float, rate: float) -> tuple[float, float]:
+        """As the base says."""
+        return 0.0, -rate * (1 + 2 * ratio) / 2
 
     def known(self, strain: Array) -> Answer:
         """As the base says."""
@@ -121,6 +137,32 @@ class NeoHookean(Fibre):
         """As the base says."""
         first, second = self._contraction
         return -(second - first + 1) / (2 - first), second / 2 - first**2 / 8
+
+    def begins_rates(self, ratio: float, rate: float) -> tuple[float, float]:
+        """As the base says."""
+        (first, second), (first_rate, second_rate) = self._contraction, self._contraction_rates
+        steeper = (first_rate - second_rate - (second - first + 1) * first_rate / (2 - first)) / (2 - first)
+        return steeper, second_rate / 2 - first * first_rate / 4
+
+    @property
+    def _contraction_rates(self) -> tuple[float, float]:
+        """Rates of the first and second order of u, by nu."""
+        nu, half = self.poisson_ratio, self.across / 2
+        below, slope = 1 - 2 * nu * (1 - half), -2 * (1 - half)
+        first, second = self._contraction
+        first_rate = -2 / below**2
+        return first_rate, (1 + half * first**2 + 2 * nu * half * first * first_rate - second * slope) / below
+
+    def by_numbers(self, strain: Array) -> dict[str, tuple[Array, Array]]:
+        """As the base says."""
+        stretch, nu, half = 1 + strain, self.poisson_ratio, self.across / 2
+        u = self._contracted(stretch)
+        volume = np.log(stretch) + half * np.log(u)
+        moving = 2 * (u - 1 - volume) / (1 - 2 * nu + 2 * nu * half / u)  # u, by nu
+        energy, stress, _ = self.known(strain)
+        unit, stiffer = 2 - self._contraction[0], -self._contraction_rates[0]
+        squeezed = (half - half / u - volume / 2 - half * (u - 1) / (2 * u)) * moving
+        return {"poisson_ratio": ((squeezed - stiffer * energy) / unit, (-moving / stretch - stiffer * stress) / unit)}
 
     @property
     def _contraction(self) -> tuple[float, float]:

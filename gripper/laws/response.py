@@ -45,13 +45,18 @@ class Response:
 
     def __init__(self, law: SectionLaw, sections: Sections, sigma: Array, fields: int) -> None:
         self.law, self.fields = law, fields
-        self.w, slope, _ = (np.broadcast_to(v, sigma.shape) for v in sections.profile(sigma))
+        self.w, self.slope, _ = (np.broadcast_to(v, sigma.shape) for v in sections.profile(sigma))
         EI, self.GA, self.EA = sections.stiffness(sigma)
-        self.taper = self._taper(EI, slope, sections.finger.material.shear_coefficient) if fields > 1 else None
+        self.taper = self._taper(EI, sections.finger.material.shear_coefficient) if fields > 1 else None
 
-    def _taper(self, EI: Array, slope: Array, coefficient: float) -> Tensor:
+    @property
+    def steep(self) -> tuple[Array, Array]:
+        """w' / w as a taper counts, (k,), and whether it counts as it is: on a step's flank it stays as it is."""
+        return np.clip(self.slope, -_STEEPEST, _STEEPEST) / self.w, np.abs(self.slope) < _STEEPEST
+
+    def _taper(self, EI: Array, coefficient: float) -> Tensor:
         """What a taper adds to the stiffness against kappa and gamma, (2, 2, k)."""
-        steep, area = np.clip(slope, -_STEEPEST, _STEEPEST) / self.w, self.GA / coefficient
+        steep, area = self.steep[0], self.GA / coefficient
         bending, mixed, shear = 1 / EI + 1.8 * steep**2 / area, 0.6 * steep / area, 1 / self.GA
         whole = bending * shear - mixed**2
         return np.array([[shear / whole - EI, -mixed / whole], [-mixed / whole, bending / whole - self.GA]])
@@ -90,15 +95,20 @@ class Response:
         return out
 
     def loaded(self, strains: Array, moment: Array, axial: Array) -> Array:
-        """Largest abs(eps) + abs(kappa) w / 2 under M and N (k,), by Newton's method from strains near to it, (k,)."""
+        """Largest abs(eps) + abs(kappa) w / 2 under M and N (k,), from strains near to it (fields, k)."""
+        k, e = self.held(strains, moment, axial)
+        largest: Array = np.abs(e) + np.abs(k) / 2
+        return largest
+
+    def held(self, strains: Array, moment: Array, axial: Array) -> tuple[Array, Array]:
+        """Kappa w and eps under M and N (k,), by Newton's method from strains near to it (fields, k)."""
         k, e = strains[0] * self.w, strains[2] if self.fields == 3 else self.law.bent(strains[0] * self.w)[3]
         for _ in range(_NEWTON):
             _, slope, pull, kk, ke, ee = self.law.phi(k, e)
             off, apart = moment / (self.EA * self.w) - slope, axial / self.EA - pull
             whole = kk * ee - ke**2
             k, e = k + (ee * off - ke * apart) / whole, e + (kk * apart - ke * off) / whole
-        largest: Array = np.abs(e) + np.abs(k) / 2
-        return largest
+        return k, e
 
     def beyond(self, strains: Array) -> float | None:
         """The strain of the fibre that lies farthest beyond what the law knows; None where it knows them all."""

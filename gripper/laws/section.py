@@ -37,7 +37,8 @@ _BALANCED = 1e-9  # of EA: the next step, of second order, is round-off
 
 
 @functools.cache
-def _gauss(points: int) -> tuple[Array, Array]:
+def gauss(points: int) -> tuple[Array, Array]:
+    """Places eta over the thickness, and their weights."""
     x, weights = np.polynomial.legendre.leggauss(points)
     return x / 2, weights / 2
 
@@ -59,18 +60,22 @@ class SectionLaw:
 
     def phi(self, k: Array, e: Array) -> Phi:
         """Energy per length over EA, with its derivatives, each of the shape of k."""
-        eta, weights = _gauss(self.fibre.POINTS)
-        thin = 1 - self.ratio * e[:, None]
-        energy, stress, modulus = self.fibre.answer(e[:, None] - k[:, None] * thin * eta)
-        bend, stretch = -thin * eta, 1 + self.ratio * k[:, None] * eta
+        eta, weights = gauss(self.fibre.POINTS)
+        bend, stretch = self.mixing(k, e)
+        energy, stress, modulus = self.fibre.answer(e[:, None] + k[:, None] * bend)
         first = energy @ weights, (stress * bend) @ weights, (stress * stretch) @ weights
         both = modulus * bend * stretch + stress * (self.ratio * eta)
         second = (modulus * bend**2) @ weights, both @ weights, (modulus * stretch**2) @ weights
         more, slope, curvature = self._across(k)
         return first[0] + more, first[1] + slope, first[2], second[0] + curvature, second[1], second[2]
 
+    def mixing(self, k: Array, e: Array) -> tuple[Array, Array]:
+        """Derivatives of the fibres' strains by k and e: (n, fibres) each; the strains are e + k times the first."""
+        eta, _ = gauss(self.fibre.POINTS)
+        return -(1 - self.ratio * e[:, None]) * eta, 1 + self.ratio * k[:, None] * eta
+
     @functools.cached_property
-    def _fourth(self) -> float:
+    def fourth(self) -> float:
         """The coefficient c."""
         a, b = self.fibre.begins(self.ratio)
         nu = self.ratio
@@ -78,7 +83,7 @@ class SectionLaw:
 
     def _across(self, k: Array) -> tuple[Array, Array, Array]:
         """What the directions across add: value, slope and curvature by k."""
-        c, s = self._fourth, 48 * abs(self._fourth)
+        c, s = self.fourth, 48 * abs(self.fourth)
         below = 1 + s * k**2
         value = c * k**4 / below
         slope = (4 * c * k**3 - 2 * s * k * value) / below

@@ -4,19 +4,20 @@ The equations are those that :func:`gripper.statics.newton.settle` solves, segme
 
     dV/dc = Q(c, forces),   C = 0,   R = 0,
 
-Q the work of the contact forces by the coefficients c of the strains. A direction is a change of what they are made of:
-ends of segments, places, stiffness, outline, object, ratio of friction, and (to carry a solution on) coefficients and
-multipliers. Every rate is an analytic derivative.
+Q the work of the forces, of contacts and loads, by the coefficients c of the strains (and by the turn of the base). A
+direction is a change of what they are made of: ends of segments, places, what sections answer, outline, object, ratio
+of friction, loads, and (to carry a solution on) coefficients and multipliers. Every rate is an analytic derivative.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
 from gripper.arrays import Array, Complex
 from gripper.contact.outline import dot
+from gripper.sensitivity.bearing import Moved
 from gripper.sensitivity.geometry import Bending
 from gripper.sensitivity.touching import Touching
 
@@ -27,7 +28,11 @@ class Change:
 
     breaks: Array  # ends of the segments, (d, segments + 1)
     queries: Array  # places of the queries along their pieces, (d, q)
-    stiffness: Array  # at fixed sections, (d, fields, g)
+    stresses: Array  # at fixed strains and places, (d, fields, g)
+    densities: Array  # energy per length, at the same, (d, g)
+    base: Array  # relative, of the stiffness of what holds the finger, (d,)
+    load_forces: Complex  # of the loads on sections that stay, (d, k)
+    load_couples: Array
     offsets: Complex  # of the outline, at fixed places, (d, q)
     offset_slopes: Complex  # the same by the place, (d, q)
     gaps: Array  # g at fixed points, (d, q)
@@ -38,17 +43,22 @@ class Change:
     rest: Array  # angle of the unloaded section at fixed places: the Gauss points, (d, g)
     rest_turns: Array  # the same of the queries, (d, q)
     rest_bends: Array  # the unloaded finger's curvature at fixed places of the queries, (d, q)
+    base_turns: Array  # of what holds the finger, (d,)
     coefficients: Array | None = None  # (d, fields, segments, modes)
     weights: Array | None = None  # forces along grad g, (d, q)
 
     @classmethod
     def none(cls, touching: Touching, count: int) -> Change:
         """No change in any of ``count`` directions: arrays to be filled."""
-        q, geometry = touching.u.size, touching.geometry
+        q, geometry, k = touching.u.size, touching.geometry, touching.carried.count
         return cls(
             breaks=np.zeros((count, geometry.segments + 1)),
             queries=np.zeros((count, q)),
-            stiffness=np.zeros((count, geometry.fields, geometry.segments * geometry.count)),
+            stresses=np.zeros((count, geometry.fields, geometry.segments * geometry.count)),
+            densities=np.zeros((count, geometry.segments * geometry.count)),
+            base=np.zeros(count),
+            load_forces=np.zeros((count, k), dtype=complex),
+            load_couples=np.zeros((count, k)),
             offsets=np.zeros((count, q), dtype=complex),
             offset_slopes=np.zeros((count, q), dtype=complex),
             gaps=np.zeros((count, q)),
@@ -59,6 +69,7 @@ class Change:
             rest=np.zeros((count, geometry.segments * geometry.count)),
             rest_turns=np.zeros((count, q)),
             rest_bends=np.zeros((count, q)),
+            base_turns=np.zeros(count),
         )
 
     def beside(self, other: Change) -> Change:
@@ -80,14 +91,16 @@ class Flow:
     presses: Complex  # directions of the normal forces, as long as their unit
     gaps: Array
     forces: Complex
+    loads: Moved
 
 
 def flow(touching: Touching, change: Change) -> Flow:
     """Rates of points, tangents, gaps and forces."""
     t, geometry = touching, touching.geometry
     rest, rest_turns, rest_bends = t.unloaded(change.breaks, change.queries)
-    bending = geometry.bent(np.diff(change.breaks, axis=1), change.coefficients, change.rest + rest)
-    turns = bending.products @ t.marks.turns.T + change.rest_turns + rest_turns
+    base = change.base_turns[:, None]
+    bending = geometry.bent(np.diff(change.breaks, axis=1), change.coefficients, change.rest + rest + base)
+    turns = bending.products @ t.marks.turns.T + change.rest_turns + rest_turns + base
     offsets = change.offsets + t.offset_slope * change.queries
     slopes = change.offset_slopes + t.offset_bend * change.queries
     points = bending.runs @ t.marks.places.T + (offsets + 1j * t.offset * turns) * t.turn
@@ -98,7 +111,12 @@ def flow(touching: Touching, change: Change) -> Flow:
     normals = change.normals + t.curved(points)
     gaps = change.gaps + dot(t.normal, points)
     presses = _presses(t, normals, tangents)
-    return Flow(bending, offsets, turns, points, tangents, normals, presses, gaps, _forces(t, change, presses))
+    carried = t.carried.moved(change.breaks, bending, change.base_turns)
+    carried = replace(
+        carried, forces=carried.forces + change.load_forces, couples=carried.couples + change.load_couples
+    )
+    forces = _forces(t, change, presses)
+    return Flow(bending, offsets, turns, points, tangents, normals, presses, gaps, forces, carried)
 
 
 def _strained(t: Touching, coefficients: Array) -> Complex:
@@ -140,59 +158,54 @@ def _turning(t: Touching, at: int, tangents: Complex) -> Array:
     return turned
 
 
-def loads(t: Touching) -> Array:
-    """Q: work of the contact forces by the coefficients, (fields, segments, modes)."""
-    reach = t.forces.conj() @ t.marks.places
-    theta, psi = _carried(t, reach)
-    return _covector(t, theta, psi, t.geometry.steps * reach)
-
-
-def _carried(t: Touching, reach: Complex) -> tuple[Array, Array]:
-    """Moments of the forces on theta at the Gauss points (g,), and on psi at the queries (q,)."""
-    return (1j * t.geometry.runs * reach).real, (t.forces.conj() * 1j * t.offset * t.turn).real
+def load_rates(t: Touching, change: Change, moved: Flow) -> tuple[Array, Array]:
+    """Rates of Q: by the coefficients, (d, fields, segments, modes), and by the base's turn, (d,)."""
+    geometry, bending, actors = t.geometry, moved.bending, t.actors
+    forces = np.concatenate([t.forces, t.carried.forces])
+    forcing = np.concatenate([moved.forces, moved.loads.forces], axis=1)
+    reach, reaching = forces.conj() @ actors.places, forcing.conj() @ actors.places
+    theta = (1j * geometry.runs * reach).real
+    psi = np.concatenate([(t.forces.conj() * 1j * t.offset * t.turn).real, t.carried.couples])
+    theta_rates = (1j * bending.runs * reach).real + (1j * geometry.runs * reaching).real
+    offset = (moved.offsets + 1j * t.offset * moved.turns) * t.turn
+    turned = (moved.forces.conj() * 1j * t.offset * t.turn + t.forces.conj() * 1j * offset).real
+    psi_rates = np.concatenate([turned, moved.loads.couples], axis=1)
+    rates = _covector(t, theta_rates, psi_rates, bending.steps * reach + geometry.steps * reaching)
+    arms = (theta @ geometry.turns + psi @ actors.turns).reshape(geometry.segments, -1)
+    rates[:, 0] += bending.lengths[:, :, None] * arms
+    slid, turning = _slid(t, change, moved)
+    return rates - slid, theta_rates.sum(axis=1) + psi_rates.sum(axis=1) - turning
 
 
 def _covector(t: Touching, theta: Array, psi: Array, drawn: Complex) -> Array:
-    """Moments (..., g), (..., q) as derivatives by the coefficients (..., fields, segments, modes).
+    """Moments (d, g), (d, actors) as derivatives by the coefficients (d, fields, segments, modes).
 
-    ``drawn`` (..., g) is the work by r' in the section's frame: what gamma and eps are loaded by, with stretch.
+    ``drawn`` (d, g) is the work by r' in the section's frame: what gamma and eps are loaded by, with stretch.
     """
     geometry = t.geometry
-    arms = (theta @ geometry.turns + psi @ t.marks.turns).reshape(*theta.shape[:-1], geometry.segments, geometry.modes)
+    arms = (theta @ geometry.turns + psi @ t.actors.turns).reshape(len(theta), geometry.segments, geometry.modes)
     fields = [geometry.lengths[:, None] * arms]
     strained = {1: [], 2: [theta], 3: [(1j * drawn).real, drawn.real]}[geometry.fields]
     for moment in strained:
-        fields.append(moment.reshape(*theta.shape[:-1], geometry.segments, geometry.count) @ geometry.rule.modes)
-    return np.stack(fields, axis=-3)
+        fields.append(moment.reshape(len(theta), geometry.segments, geometry.count) @ geometry.rule.modes)
+    return np.stack(fields, axis=1)
 
 
-def load_rates(t: Touching, change: Change, moved: Flow) -> Array:
-    """Rates of Q, (d, fields, segments, modes)."""
-    geometry, bending = t.geometry, moved.bending
-    reach, reaching = t.forces.conj() @ t.marks.places, moved.forces.conj() @ t.marks.places
-    theta, psi = _carried(t, reach)
-    theta_rates = (1j * bending.runs * reach).real + (1j * geometry.runs * reaching).real
-    offset = (moved.offsets + 1j * t.offset * moved.turns) * t.turn
-    psi_rates = (moved.forces.conj() * 1j * t.offset * t.turn + t.forces.conj() * 1j * offset).real
-    rates = _covector(t, theta_rates, psi_rates, bending.steps * reach + geometry.steps * reaching)
-    arms = (theta @ geometry.turns + psi @ t.marks.turns).reshape(geometry.segments, -1)
-    rates[:, 0] += bending.lengths[:, :, None] * arms
-    return rates - _slid(t, change, moved)
-
-
-def _slid(t: Touching, change: Change, moved: Flow) -> Array:
+def _slid(t: Touching, change: Change, moved: Flow) -> tuple[Array, Array]:
     """What a corner of the object that is off the foot of its normal takes from its load, as the face turns."""
     geometry = t.geometry
     out = np.zeros((len(moved.points), geometry.fields, geometry.segments, geometry.modes))
+    turning = np.zeros(len(out))
     for span in t.spans:
         if span.site.kind != "vertex":
             continue
         at = span.queries.start
         unit = t.tangents[at] / abs(t.tangents[at])
         along = dot(unit, moved.points[:, at] - change.vertices[:, at])
-        turning = _turn_covector(t, at)
-        out += (t.side(span.site) * t.weights[at] * along)[:, None, None, None] * turning
-    return out
+        slid = t.side(span.site) * t.weights[at] * along
+        out += slid[:, None, None, None] * _turn_covector(t, at)
+        turning += slid
+    return out, turning
 
 
 def _turn_covector(t: Touching, at: int) -> Array:

@@ -11,7 +11,7 @@ Every change is one of a batch of d directions: the leading axis.
 from __future__ import annotations
 
 import functools
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -48,6 +48,10 @@ class Marks:
     modes: Array  # P_k at the station, (k, modes)
     segment: Index  # (k,)
 
+    def beside(self, other: Marks) -> Marks:
+        """These stations and others after them."""
+        return Marks(*(np.concatenate([getattr(m, f.name) for m in (self, other)]) for f in fields(self)))
+
 
 @dataclass(frozen=True, eq=False)
 class Bending:
@@ -71,7 +75,8 @@ class Geometry:
         self.strains = self.coefficients @ self.rule.modes.T  # at the Gauss points, (fields, segments, q)
         self.products = (self.lengths[:, None] * self.coefficients[0]).ravel()
         self.turns = self._turns()
-        theta = self.turns @ self.products + beam.rest_angle
+        self.base_turn = beam.base_turn(z)
+        theta = self.turns @ self.products + beam.rest_angle + self.base_turn
         if self.fields == 2:
             theta = theta + self.strains[1].ravel()
         self.direction = np.exp(1j * theta)  # with stretch that of the section, else r'
@@ -97,15 +102,23 @@ class Geometry:
         units = np.broadcast_to(columns, (self.modes, self.segments, self.fields, self.modes))
         return np.stack([self.beam.coefficients(unit.ravel()) for unit in units], axis=-1)
 
-    def pulled(self, covectors: Array) -> Array:
-        """Derivatives by coefficients (d, fields, segments, modes) as derivatives by the unknowns (d, n)."""
-        out = np.einsum("fekj,dfek->defj", self.whitening, covectors)
-        return out.reshape(len(covectors), self.beam.size)
+    @property
+    def base(self) -> float | None:
+        """Rotational stiffness of what holds the finger, dimensionless; None where it is rigid."""
+        return self.beam.sections.base
 
-    def pushed(self, unknowns: Array) -> Array:
-        """Changes of the unknowns (d, n) as changes of the coefficients (d, fields, segments, modes)."""
-        blocks = unknowns.reshape(-1, self.segments, self.fields, self.modes)
-        return np.einsum("fekj,defj->dfek", self.whitening, blocks)
+    def pulled(self, covectors: Array, turning: Array) -> Array:
+        """Derivatives by coefficients (d, fields, segments, modes) and base's turn (d,) as those by the unknowns."""
+        out = np.einsum("fekj,dfek->defj", self.whitening, covectors)
+        flat: Array = out.reshape(len(covectors), -1)
+        return flat if self.base is None else np.column_stack([flat, turning / np.sqrt(self.base)])
+
+    def pushed(self, unknowns: Array) -> tuple[Array, Array]:
+        """Changes of the unknowns (d, n) as changes of coefficients (d, fields, segments, modes) and base's turn."""
+        strains = unknowns if self.base is None else unknowns[:, :-1]
+        blocks = strains.reshape(-1, self.segments, self.fields, self.modes)
+        turns = np.zeros(len(unknowns)) if self.base is None else unknowns[:, -1] / np.sqrt(self.base)
+        return np.einsum("fekj,defj->dfek", self.whitening, blocks), turns
 
     def marks(self, x: Array, segment: Index) -> Marks:
         """The maps to stations x (k,) in [-1, 1] of segments (k,)."""
@@ -132,7 +145,7 @@ class Geometry:
         coefficients
             Of the strains, (d, fields, segments, modes).
         rest
-            Of the angle of the unloaded section at the Gauss points, (d, g).
+            Of the angle of the unloaded section at the Gauss points, with the base's, (d, g).
         """
         products = lengths[:, :, None] * self.coefficients[0]
         if coefficients is not None:

@@ -38,11 +38,13 @@ _KNOWN: dict[type, set[str]] = {
         "limits",
         "tolerances",
         "theory_tolerance",
+        "loads",
     },
-    Finger: {"length", "width", "material", "jaw", "rest_curvature"},
+    Finger: {"length", "width", "material", "jaw", "rest_curvature", "base"},
     Material: {
         *("youngs_modulus", "poisson_ratio", "shear_modulus", "plane"),
         *("yield_strain", "repeated_strain"),
+        *("law", "table"),
     },
 }
 """Fields whose part in the equations is differentiated, or that have none; a limit may stand in a scene."""

@@ -7,13 +7,15 @@ from typing import TypeAlias
 
 import numpy as np
 
-from gripper.arrays import Array, Complex, Mask
+from gripper.arrays import Array, Complex
 from gripper.contact.outline import dot
 from gripper.sensitivity.geometry import Marks
+from gripper.sensitivity.section_rates import Sectioned
 from gripper.sensitivity.seeds import Seeds
 from gripper.statics.equilibrium import Equilibrium
 from gripper.statics.profile import largest_strain
 
+_Known: TypeAlias = tuple[float, Array]  # a number, and its rates
 Table: TypeAlias = dict[str, Array]
 """Rates by name: (p,), or (p, 2) of vectors."""
 
@@ -47,7 +49,7 @@ class Reading:
             "force_on_object": _plane(world * scales.force_scale),
             "force_on_object_finger_frame": _plane(local * scales.force_scale),
             "moment_on_object": -self._moment(t.equilibrium.obstacle.frame.origin, self.frames.origin),
-            "clamp_moment": self._moment(0j, 0j * self.frames.origin),
+            "clamp_moment": self._moment(0j, 0j * self.frames.origin) + self._load_moment(),
             "max_strain": self.strain(),
         }
         if self.parameter is not None:
@@ -74,6 +76,22 @@ class Reading:
         whole = float((arms.conj() * t.forces).imag.sum())
         return (rate + whole * self.seeds.log_energy) * self.scales.energy_scale
 
+    def _load_moment(self) -> Array:
+        """Rate of the moment of the loads about the clamp, in N m."""
+        held, moved = self.touching.carried, self.rates.flow.loads
+        arms = (moved.points.conj() * held.forces + held.points.conj() * moved.forces).imag
+        rate = (arms + moved.couples).sum(axis=1)
+        whole = float(((held.points.conj() * held.forces).imag + held.couples).sum())
+        return np.asarray((rate + whole * self.seeds.log_energy) * self.scales.energy_scale)
+
+    def load_energy(self) -> Array:
+        """Rate of the loads' potential, in J, at a fixed place of the motion."""
+        found, shift, change = np.zeros(len(self.seeds.keys)), self.seeds.shift(self.frames), self.rates.change
+        for bearing in self.touching.carried.bearings:
+            rest = self.seeds.rest(bearing.s)
+            found += bearing.potential_rates(shift, rest, change.breaks, self.rates.flow.bending, change.base_turns)
+        return found
+
     def drive(self) -> Array:
         """Rate of the motion's force."""
         t, moved, frame = self.touching, self.rates.flow, self.touching.obstacle.frame
@@ -90,59 +108,86 @@ class Reading:
         position = complex((end.places @ geometry.runs)[0])
         change = (self.rates.flow.bending.runs @ end.places.T)[:, 0]
         local = change + position * (self.seeds.log_length + 1j * self.frames.clamp_angle)
-        rotation = (self.rates.flow.bending.products @ end.turns.T)[:, 0]
-        rotation = rotation + self.seeds.spread(self.seeds.finger.rest(np.ones(1))[0][:, 0])
+        rotation = (self.rates.flow.bending.products @ end.turns.T)[:, 0] + self.rates.change.base_turns
+        rotation = rotation + self.seeds.rest(np.ones(1))[:, 0]
         return {"tip": _plane(self.frames.clamp + turn * local * self.scales.length), "tip_rotation": rotation}
 
     def strain(self) -> Array:
         """Rate of the largest strain at the section where it is: the place is stationary, or held by the segments."""
-        t, geometry = self.touching, self.touching.geometry
-        if not t.sites:
+        t = self.touching
+        if not t.sites and not t.carried.count:
             return np.zeros(len(self.seeds.keys))
         value, s = largest_strain(t.setting, t.equilibrium)
-        segment, x = self._section(s)
-        section = _Section(np.array([s]), segment, x, geometry.marks(np.array([x]), np.array([segment])))
-        beyond = np.where(t.flexible > 0, t.s, 2.0) > s - x * 5e-10  # which side of a force a break is read on
+        section = self._section(s)
+        moment, force, rates = self._outer(section)
+        along, pulling = self._pull(section, force, rates[1]) if t.beam.stretches else (0.0, 0.0 * rates[0])
+        if t.setting.sections.law is None:
+            strain, found = self._linear(section, (moment, rates[0]), (along, pulling))
+        else:
+            strain, found = self._lawful(section, (moment, rates[0]), (along, pulling))
+        return np.asarray(value / strain * found)
+
+    def _linear(self, section: _Section, moment: _Known, along: _Known) -> _Known:
+        """The strain of a section under M and N, and its rates."""
         stiff, thick, stiffer, thicker = self._section_rates(section)
-        moment, rate = self._carried(section, beyond)
-        strain = abs(moment) / stiff[0] * thick / 2
-        rates = strain * (rate / moment - stiffer[:, 0] / stiff[0] + thicker / thick)
-        if t.beam.stretches:
-            along, pulled = self._pull(section, beyond)
-            stretch = abs(along) / stiff[2]
-            rates = rates + np.sign(along) * pulled / stiff[2] - stretch * stiffer[:, 2] / stiff[2]
-            strain += stretch
-        return np.asarray(value / strain * rates)
+        strain = abs(moment[0]) / stiff[0] * thick / 2
+        rates = strain * (moment[1] / moment[0] - stiffer[:, 0] / stiff[0] + thicker / thick)
+        stretch = abs(along[0]) / stiff[2]
+        return strain + stretch, rates + np.sign(along[0]) * along[1] / stiff[2] - stretch * stiffer[:, 2] / stiff[2]
 
-    def _carried(self, section: _Section, beyond: Mask) -> tuple[float, Array]:
-        """The moment that a section carries, and its rate."""
+    def _lawful(self, section: _Section, moment: _Known, along: _Known) -> _Known:
+        """The same under a law of the material's own."""
+        t, moving = self.touching, self._moving(section)
+        segment = np.array([section.segment])
+        strains = t.beam.strains(t.equilibrium.state.z, section.place, segment)
+        made = Sectioned(self.seeds.finger, section.place, t.beam.fields)
+        return made.strain(strains, moment, along, lambda rates: self.seeds.spread(rates[1:, 0]) + moving * rates[0, 0])
+
+    def _outer(self, section: _Section) -> tuple[float, complex, tuple[Array, Complex]]:
+        """Moment and force of all that acts further out than a section, and their rates."""
         t, moved = self.touching, self.rates.flow
-        arms = t.points - complex((section.marks.places @ t.geometry.runs)[0])
-        changes = moved.points - moved.bending.runs @ section.marks.places.T
-        rate = (beyond * (changes.conj() * t.forces + arms.conj() * moved.forces).imag).sum(axis=1)
-        return float(np.sum(beyond * (arms.conj() * t.forces).imag)), rate
+        here = complex((section.marks.places @ t.geometry.runs)[0])
+        passing = moved.bending.runs @ section.marks.places.T
+        s = float(section.place[0])
+        middle = s - section.x * 5e-10  # which side of a force a break is read on
+        beyond = np.where(t.flexible > 0, t.s, 2.0) > middle
+        parts = [(beyond, t.points, t.forces, 0 * t.s, moved.points, moved.forces, 0 * t.s)]
+        shift, breaks = self.seeds.shift(self.frames), self.rates.change.breaks
+        for bearing, counts in t.carried.beyond(section.segment, section.x, middle):
+            found = bearing.moved(breaks, moved.bending, self.rates.change.base_turns)
+            forces, couples = bearing.given(shift, self.seeds.rest(bearing.s))
+            felt = bearing.points, bearing.forces, bearing.couples
+            parts.append((counts, *felt, found.points, found.forces + forces, found.couples + couples))
+        moment, force = 0.0, 0j
+        turning, pulling = np.zeros(len(self.seeds.keys)), np.zeros(len(self.seeds.keys), dtype=complex)
+        for counts, points, forces, couples, going, forcing, twisting in parts:
+            arms, changes = points - here, going - passing
+            moment += float(counts @ ((arms.conj() * forces).imag + couples))
+            turning += ((changes.conj() * forces + arms.conj() * forcing).imag + twisting) @ counts
+            force, pulling = force + complex(counts @ forces), pulling + forcing @ counts
+        return moment, force, (turning, pulling)
 
-    def _pull(self, section: _Section, beyond: Mask) -> tuple[float, Array]:
+    def _pull(self, section: _Section, force: complex, pulling: Complex) -> _Known:
         """The force along a section's normal, and its rate."""
         t, moved, rest = self.touching, self.rates.flow, self.touching.rest
-        psi, turning = (section.marks.turns @ t.geometry.products)[0], moved.bending.products @ section.marks.turns.T
+        psi = (section.marks.turns @ t.geometry.products)[0] + t.geometry.base_turn
+        turning = (moved.bending.products @ section.marks.turns.T)[:, 0] + self.rates.change.base_turns
         if rest is not None:
             psi += rest.angle(section.place)[0]
-            turning = turning + self._moving(section)[:, None] * rest.curvature(section.place)[0]
-        turning = turning[:, 0] + self.seeds.spread(self.seeds.finger.rest(section.place)[0][:, 0])
+            turning = turning + self._moving(section) * rest.curvature(section.place)[0]
+        turning = turning + self.seeds.rest(section.place)[:, 0]
         normal = np.exp(1j * psi)
-        force, change = complex(beyond @ t.forces), moved.forces @ beyond
-        rate: Array = (normal.conj() * change).real + ((1j * normal).conj() * force).real * turning
+        rate: Array = (normal.conj() * pulling).real + ((1j * normal).conj() * force).real * turning
         return float((normal.conj() * force).real), rate
 
-    def _section(self, s: float) -> tuple[int, float]:
-        """The segment in which a place is read, and where in it; at a break the side on which the moment is larger."""
+    def _section(self, s: float) -> _Section:
+        """A place, in the segment in which it is read; at a break in the one before."""
         beam = self.touching.beam
         segment = int(beam.segment_of(np.array([s]))[0])
-        x = (s - beam.starts[segment]) / (beam.lengths[segment] / 2) - 1
-        if segment and x < -1 + 1e-9:
-            return segment - 1, 1.0
-        return segment, float(np.clip(x, -1.0, 1.0))
+        x = float((s - beam.starts[segment]) / (beam.lengths[segment] / 2) - 1)
+        segment, x = (segment - 1, 1.0) if segment and x < -1 + 1e-9 else (segment, min(max(x, -1.0), 1.0))
+        marks = self.touching.geometry.marks(np.array([x]), np.array([segment]))
+        return _Section(np.array([s]), segment, x, marks)
 
     def _moving(self, section: _Section) -> Array:
         """How a place of a segment moves with it."""

@@ -24,6 +24,8 @@ from gripper.sensitivity.summary_rates import Rows, summary_rates
 if TYPE_CHECKING:
     from gripper.result import Result
 
+_SAME = 1e-9  # of L
+
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class PoseSensitivity(PoseNumbers):
@@ -141,14 +143,32 @@ def sensitivities(result: Result, keys: Sequence[str] | None = None) -> dict[str
 
 
 def _differentiable(scene: Scene, known: Mapping[str, float]) -> list[str]:
-    """All numbers, without an object's own where its formula is none of sympy's."""
+    """All numbers, without an object's own where its formula is none of sympy's, and without places of loads that meet.
+
+    Two loads on one section, or one on a kink of the profile: the finger is cut there for both.
+    """
     own = {key.split(".", 1)[1]: v for key, v in known.items() if key.startswith("object.")}
     own = {key: value for key, value in own.items() if not key.startswith("pose.")}
+    whole = not own or _opens(scene, own)
+    left_out = set() if whole else {key for key, value in own.items() if not _opens(scene, {key: value})}
+    finger = placed(scene.finger).body
+    cut = [finger.length, *finger.kinks(), *(s for load in scene.loads for s in load.stations(finger) or ())]
+
+    def fits(key: str) -> bool:
+        if key.startswith("loads["):
+            return sum(abs(known[key] - s) < _SAME * finger.length for s in cut) < 2
+        return key.removeprefix("object.") not in left_out or not key.startswith("object.")
+
+    return [key for key in known if fits(key)]
+
+
+def _opens(scene: Scene, own: Mapping[str, float]) -> bool:
+    """Whether the object can be differentiated by some of its own numbers."""
     try:
         object_rates(placed(scene.object).body, own)
     except NotOpenError:
-        return [key for key in known if key.removeprefix("object.") not in own or not key.startswith("object.")]
-    return list(known)
+        return False
+    return True
 
 
 def _kept(pose: PoseResult) -> Kept | None:

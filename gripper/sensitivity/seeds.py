@@ -16,8 +16,10 @@ from gripper.contact.site import Site
 from gripper.friction import Coefficients
 from gripper.parameters import numbers
 from gripper.scene import Scene
+from gripper.sensitivity.bearing import Shift
 from gripper.sensitivity.finger_rates import FingerRates
 from gripper.sensitivity.flow import Change
+from gripper.sensitivity.load_rates import LoadRates
 from gripper.sensitivity.memory import Memory
 from gripper.sensitivity.object_rates import object_rates
 from gripper.sensitivity.tangent import Rates, rates
@@ -26,6 +28,7 @@ from gripper.statics.equilibrium import Equilibrium, Setting
 
 MOTION = "the motion's parameter"
 _POSES = ("x", "y", "angle")
+_SAME = 1e-9  # of L
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,19 +81,26 @@ class Seeds:
         self._solved: dict[int, Solved] = {}
         self.kinematics = Kinematics(scene, setting.sections.length)
         finger = {self._inner(key): known[key] for key in keys if self._table(key) == "finger"}
+        loading = {key: known[key] for key in keys if self._table(key) in ("finger", "loads")}
         body = {key.split(".", 1)[1]: known[key] for key in keys if self._table(key) == "object"}
         self.finger = FingerRates(setting.outline, finger)
         self.object = object_rates(setting.body, body)
         self._finger_rows = np.array([keys.index(self._outer(key)) for key in self.finger.keys], dtype=np.intp)
         self._object_rows = np.array([keys.index(f"object.{key}") for key in body], dtype=np.intp)
+        self.loads = LoadRates(setting.loads, setting.sections, loading, {key: keys.index(key) for key in loading})
         self.log_length = self.spread(self.finger.log_length)
         self.log_stiffness = self.spread(self.finger.log_stiffness)
+        base = setting.sections.finger.base
+        softer = np.array([float(key == "finger.base.rotational_stiffness") for key in self.keys])
+        self.log_base = softer / base.rotational_stiffness - self.log_energy if base else softer
 
     @staticmethod
     def _table(key: str) -> str:
         head, *rest = key.split(".")
         if head == "material":
             return "finger"
+        if head.startswith("loads["):
+            return "loads"
         return "pose" if rest and rest[0] == "pose" else head
 
     @staticmethod
@@ -144,7 +154,7 @@ class Seeds:
         """The rates of an equilibrium by all numbers, reckoned once."""
         known = self._solved.get(id(equilibrium))
         if known is None:
-            touching = Touching(self.setting, equilibrium, self.finger)
+            touching = Touching(self.setting, equilibrium, self.finger, self.loads)
             frames = self.frames(equilibrium.obstacle.frame.parameter)
             known = Solved(touching, frames, rates(touching, self._change(touching, frames)))
             self._solved[id(equilibrium)] = known  # which keeps the equilibrium, and so its id
@@ -154,6 +164,7 @@ class Seeds:
         """The directions of all numbers at an equilibrium."""
         change = Change.none(touching, len(self.keys))
         self._of_finger(touching, change)
+        self._of_loads(touching, change, frames)
         self._of_object(touching, change, frames)
         self._of_friction(touching, change)
         self._memory.change(touching, change, frames)
@@ -161,14 +172,14 @@ class Seeds:
 
     def _of_finger(self, t: Touching, change: Change) -> None:
         rows = self._finger_rows
-        change.stiffness[rows] = t.stiffness[2]
+        change.stresses[rows], change.densities[rows] = t.sections.stress_rates, t.sections.density_rates
+        change.base[:] = self.log_base
         change.rest[rows] = self.finger.rest(t.beam.gauss)[0]
         turns, bends = self.finger.rest(t.s)
         change.rest_turns[rows], change.rest_bends[rows] = turns, bends * t.flexible
         kinks, rates = self.finger.kinks()
         for kink, rate in zip(kinks, rates.T, strict=True):
-            nearest = int(np.argmin(np.abs(np.array(t.beam.breaks) - kink)))
-            change.breaks[rows, nearest] = rate
+            change.breaks[rows, _nearest(t, kink)] = rate
         face = t.piece <= UPPER
         if face.any():
             sign = (t.piece[face] - 0.5) * 1j
@@ -180,6 +191,37 @@ class Seeds:
             rigid = t.piece[~face] - (UPPER + 1)
             change.offsets[np.ix_(rows, ~face)] = starts[:, rigid] + t.u[~face] * directions[:, rigid]
             change.offset_slopes[np.ix_(rows, ~face)] = directions[:, rigid]
+
+    def shift(self, frames: FrameRates) -> Shift:
+        """What the numbers change for loads where the dimensionless finger stays."""
+        going = np.array([float(key == MOTION) for key in self.keys])
+        return Shift(frames.clamp_angle, going, self.log_length, self.log_force, self.log_energy)
+
+    def rest(self, s: Array) -> Array:
+        """Rates of the unloaded section's angle at fixed places s (k,), (p, k)."""
+        out = np.zeros((len(self.keys), s.size))
+        out[self._finger_rows] = self.finger.rest(s)[0]
+        return out
+
+    def _of_loads(self, t: Touching, change: Change, frames: FrameRates) -> None:
+        """Loads change, and the places at which they act: there segments end."""
+        first, shift = 0, self.shift(frames)
+        held = {t.geometry.segments, *(_nearest(t, kink) for kink in self.setting.sections.kinks)}
+        for bearing in t.carried.bearings:
+            span = slice(first, first + bearing.s.size)
+            first = span.stop
+            change.load_forces[:, span], change.load_couples[:, span] = bearing.given(shift, self.rest(bearing.s))
+            if bearing.spread_out:
+                continue
+            moving = -np.outer(self.log_length, bearing.s)
+            moving[bearing.rate.rows] += bearing.rate.station_rates() / self.setting.sections.length
+            for s, going in zip(bearing.s.tolist(), moving.T, strict=True):
+                nearest = _nearest(t, s)
+                if nearest in held and np.any(np.abs(going - change.breaks[:, nearest]) > _SAME):
+                    rule = "act on the tip (s left out), or away from it, kinks and other loads, to be differentiated"
+                    raise ValueError(f"a load must {rule}; got s = {s * self.setting.sections.length:.6g}")
+                change.breaks[:, nearest] = going
+                held.add(nearest)
 
     def _of_object(self, t: Touching, change: Change, frames: FrameRates) -> None:
         """The object moves, turns, is scaled by 1 / L, and changes its own shape."""
@@ -221,3 +263,8 @@ class Seeds:
         place = float(s[0]) if site.on_face else 1.0
         steep = grip.law.at(LOWER, place)[1] * place  # at a fixed part of the length
         return rates + steep * self.log_length
+
+
+def _nearest(t: Touching, s: float) -> int:
+    """The end of a segment that is nearest to a place."""
+    return int(np.argmin(np.abs(np.array(t.beam.breaks) - s)))

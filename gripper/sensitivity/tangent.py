@@ -41,23 +41,33 @@ class Rates:
 
 def residual(touching: Touching, change: Change) -> Residual:
     """How far a change puts the equations off."""
-    moved = flow(touching, change)
-    stress = stiffness_rates(touching, change) @ touching.geometry.rule.modes
-    out = touching.geometry.pulled(stress - load_rates(touching, change, moved))
-    return Residual(out, *_contact(touching, change, moved))
+    geometry, moved = touching.geometry, flow(touching, change)
+    stress = _weighted(touching, change, change.stresses, touching.sections.stress, touching.sections.stress_slopes)
+    loads, turning = load_rates(touching, change, moved)
+    base = change.base * (geometry.base or 0.0) * geometry.base_turn
+    return Residual(
+        geometry.pulled(stress @ geometry.rule.modes - loads, base - turning), *_contact(touching, change, moved)
+    )
 
 
-def stiffness_rates(touching: Touching, change: Change) -> Array:
-    """Rates of weight times stiffness times strain at the Gauss points, (d, fields, segments, q)."""
-    geometry = touching.geometry
+def _weighted(t: Touching, change: Change, rates: Array, values: Array, slopes: Array) -> Array:
+    """Rates of weights times values (..., g) at the Gauss points, (d, ..., segments, q), from those at fixed places."""
+    geometry = t.geometry
     lengths = np.diff(change.breaks, axis=1)
     moved = change.breaks[:, :-1, None] + lengths[:, :, None] * geometry.rule.along
-    shape = (geometry.fields, geometry.segments, geometry.count)
-    stiff, slope = (v.reshape(shape) for v in touching.stiffness[:2])
-    rates = change.stiffness.reshape(-1, *shape) + slope * moved[:, None]
-    wide = geometry.lengths[:, None] * rates + lengths[:, None, :, None] * stiff
-    out: Array = wide * (geometry.rule.weights / 2) * geometry.strains
+    shape = (*values.shape[:-1], geometry.segments, geometry.count)
+    ahead, wider = (v.reshape(len(v), *(1,) * (len(shape) - 2), *v.shape[1:]) for v in (moved, lengths[..., None]))
+    whole = rates.reshape(-1, *shape) + slopes.reshape(shape) * ahead
+    out: Array = (geometry.lengths[:, None] * whole + wider * values.reshape(shape)) * (geometry.rule.weights / 2)
     return out
+
+
+def stored_rates(touching: Touching, change: Change) -> Array:
+    """Rates of the strain energy at fixed strains, and of the base's at a fixed turn, (d,)."""
+    geometry, sections = touching.geometry, touching.sections
+    strained = _weighted(touching, change, change.densities, sections.density, sections.density_slopes)
+    found: Array = strained.sum(axis=(1, 2)) + change.base * (geometry.base or 0.0) * geometry.base_turn**2 / 2
+    return found
 
 
 def _contact(t: Touching, change: Change, moved: Flow) -> tuple[Array, Array]:
@@ -100,7 +110,7 @@ def matrix(touching: Touching, placed: Array) -> Array:
     lin = touching.equilibrium.linear
     n, m = lin.gradients.shape[1], len(lin.values)
     out = np.zeros((n + m + touching.columns,) * 2)
-    out[:n, :n] = np.eye(n) - lin.hessian
+    out[:n, :n] = touching.equilibrium.state.energy_hessian - lin.hessian
     out[:n, n : n + m] = -lin.loads.T
     out[n : n + m, :n], out[n + m :, :n] = lin.gradients, lin.residual_gradients
     out[:, n + m :] = placed.T
@@ -121,14 +131,15 @@ def rates(touching: Touching, change: Change) -> Rates:
     unknowns, multipliers, places = solution[:, :n], solution[:, n : n + m], solution[:, n + m :]
     breaks, queries, ratios = touching.moves
     weights = [touching.spread(s.site, multipliers[:, s.row : s.row + s.site.multipliers]) for s in touching.spans]
+    coefficients, turns = touching.geometry.pushed(unknowns)
     whole = replace(
         change,
         breaks=change.breaks + places @ breaks,
         queries=change.queries + places @ queries,
         ratios=change.ratios + places @ ratios,
-        coefficients=touching.geometry.pushed(unknowns),
+        base_turns=turns,
+        coefficients=coefficients,
         weights=np.concatenate([np.zeros((len(unknowns), 0)), *weights], axis=1),
     )
-    stored = np.einsum("dfeq,feq->d", stiffness_rates(touching, whole), touching.geometry.strains) / 2
-    energy = unknowns @ touching.equilibrium.state.z + stored
+    energy = unknowns @ touching.equilibrium.state.energy_gradient + stored_rates(touching, whole)
     return Rates(whole, flow(touching, whole), unknowns, multipliers, places, energy)

@@ -11,8 +11,11 @@ from gripper.arrays import Array, Complex, Index
 from gripper.contact.grip import Anchor
 from gripper.contact.outline import UPPER, dot
 from gripper.contact.site import Site, pressure_rule
+from gripper.sensitivity.bearing import Carried
 from gripper.sensitivity.finger_rates import FingerRates
 from gripper.sensitivity.geometry import Geometry, Marks
+from gripper.sensitivity.load_rates import LoadRates
+from gripper.sensitivity.section_rates import answered
 from gripper.statics.equilibrium import Equilibrium, Setting
 
 _SPREAD = ("patch", "tail")
@@ -69,16 +72,20 @@ class Touching:
     equilibrium
         Converged, its segments ending at its contacts.
     finger
-        Gives the stiffness, its slope along the finger and its rates.
+        Gives what the sections answer, its slope along the finger and its rates.
+    loads
+        Rates of what else loads the finger.
     """
 
-    def __init__(self, setting: Setting, equilibrium: Equilibrium, finger: FingerRates) -> None:
+    def __init__(self, setting: Setting, equilibrium: Equilibrium, finger: FingerRates, loads: LoadRates) -> None:
         self.setting, self.equilibrium, self.obstacle = setting, equilibrium, equilibrium.obstacle
         self.rest = setting.sections.rest
         state = equilibrium.state
         self.beam, self.sites = state.beam, state.sites
         self.geometry = Geometry(state.beam, state.z)
-        self.stiffness = finger.stiffness(state.beam.gauss, state.beam.fields)
+        strains = self.geometry.strains.reshape(state.beam.fields, -1)
+        self.sections = answered(finger, state.beam.gauss, strains)
+        self.carried = Carried.of(loads, equilibrium, self.geometry)
         self._lay_out(state.multipliers)
         self._read()
 
@@ -134,9 +141,10 @@ class Touching:
         self.s, self.offset, self.offset_slope, self.offset_bend = s, P, P1, P2
         before, after = (self._local(s, segment) for segment in (left, right))
         self.marks: Marks = geometry.marks(before, left)
+        self.actors = self.marks.beside(self.carried.marks)
         beyond = geometry.marks(after, right) if np.any(left != right) else self.marks
         self.sides = (self.marks, beyond)
-        psi = self.marks.turns @ geometry.products
+        psi = self.marks.turns @ geometry.products + geometry.base_turn
         self.turn = np.exp(1j * (psi if self.rest is None else psi + self.rest.angle(s)))
         self.points = self.marks.places @ geometry.runs + P * self.turn
         self.flexible = (self.piece <= UPPER).astype(float)

@@ -72,7 +72,7 @@ class Acting:
         n = axis.beam.size
         force, slopes, rates, potential = np.zeros(n), np.zeros((n, n)), np.zeros(n), 0.0
         for load in self.loads.parts:
-            each = self._sampled(load, axis)
+            each = self.sampled(load, axis)
             force += each.force()
             slopes += each.slopes()
             rates += each.rates()
@@ -80,17 +80,18 @@ class Acting:
         unit = self.part / self.loads.sections.energy_scale
         return Push(unit * force, unit * slopes, unit * rates, unit * potential, self.loads.conservative)
 
-    def _sampled(self, load: CompiledLoad, axis: Axis) -> _Sampled:
+    def sampled(self, load: CompiledLoad, axis: Axis) -> Sampled:
+        """A load on the sections that it acts on; of one along the whole axis, on the Gauss points."""
         beam = axis.beam
         if load.stations is None:
             weights = beam.gauss_lengths * load.length
-            return _Sampled(load, axis, self.stage, beam.gauss, beam.segment_of(beam.gauss), weights)
+            return Sampled(load, axis, self.stage, beam.gauss, beam.segment_of(beam.gauss), weights)
         segment = beam.segment_of(load.stations, left=True)
-        return _Sampled(load, axis, self.stage, load.stations, segment, None)
+        return Sampled(load, axis, self.stage, load.stations, segment, None)
 
     def each(self, axis: Axis) -> list[Felt]:
         """What each load does to the sections that it acts on, in the clamp's frame; weight as many small forces."""
-        return [self._sampled(load, axis).felt(self._units) for load in self.loads.parts]
+        return [self.sampled(load, axis).felt(self._units) for load in self.loads.parts]
 
     def felt(self, axis: Axis) -> Felt:
         """What all of them do."""
@@ -110,7 +111,7 @@ class Acting:
             if load.stations is None:
                 self._weighed(load, axis, s, segment, here, total, couple)
                 continue
-            found = self._sampled(load, axis).felt(self._units)
+            found = self.sampled(load, axis).felt(self._units)
             out = found.s > s[:, None]
             total += out @ found.forces
             arms = ((found.points - here[:, None]).conj() * found.forces).imag + found.couples
@@ -122,12 +123,12 @@ class Acting:
     ) -> None:
         """Add what acts along the axis beyond each section: the rest of its segment, and the segments after it."""
         beam = axis.beam
-        whole = self._sampled(load, axis).felt(self._units)
+        whole = self.sampled(load, axis).felt(self._units)
         own = np.repeat(np.arange(beam.segments), beam.gauss.size // beam.segments)
         x, weights = np.polynomial.legendre.leggauss(_NEAR)
         rest = (np.array(beam.breaks)[segment + 1] - s)[:, None] / 2
         marks = (s[:, None] + rest * (x + 1)).ravel()
-        near = _Sampled(
+        near = Sampled(
             load, axis, self.stage, marks, np.repeat(segment, _NEAR), (rest * weights).ravel() * load.length
         ).felt(self._units)
         beside = np.repeat(np.eye(s.size, dtype=bool), _NEAR, axis=1)
@@ -163,8 +164,18 @@ class LoadEnergy:
         return -self._push(z).slopes if self._kept is None else np.zeros((z.size, z.size))
 
 
-class _Sampled:
-    """One load on the sections of an axis, in SI: its own axes for places and actions."""
+class Sampled:
+    """One load on the sections of an axis, in SI: its own axes for places and actions.
+
+    Parameters
+    ----------
+    load, axis, stage
+        Of what.
+    s, segment
+        The sections (k,), by L.
+    weights
+        The length that each stands for, in m; None of a load on single sections.
+    """
 
     def __init__(
         self, load: CompiledLoad, axis: Axis, stage: Stage, s: Array, segment: Index, weights: Array | None
@@ -174,7 +185,8 @@ class _Sampled:
         self.stage = stage if load.in_world else Stage(stage.parameter, 0.0, stage.pace, 0.0)
         self.points, psi, *_ = axis.values(s, segment)
         self.place = self.turn * load.length * self.points
-        found = load.values(s * load.length, self.place.real, self.place.imag, psi + self.stage.turn, stage.parameter)
+        self.angles = psi + self.stage.turn
+        found = load.values(s * load.length, self.place.real, self.place.imag, self.angles, stage.parameter)
         self.actions, self.derivatives, self.by_parameter, self.energies = found
 
     @functools.cached_property
@@ -186,32 +198,37 @@ class _Sampled:
 
     @functools.cached_property
     def rows(self) -> Rows:
+        """The maps to the sections."""
         return self.axis.beam.rows(self.s, self.segment)
 
     @functools.cached_property
-    def _each(self) -> Array:
+    def each(self) -> Array:
+        """What each section counts, (k,): 1, or the length that it stands for, in m."""
         return np.ones(self.s.size) if self.weights is None else self.weights
 
     @property
     def _vectors(self) -> Complex:
         """Forces in the clamp's axes, weighted."""
-        return self._each * (self.actions[:, 0] + 1j * self.actions[:, 1]) / self.turn
+        return self.each * (self.actions[:, 0] + 1j * self.actions[:, 1]) / self.turn
 
     def potential(self) -> float:
-        return float(np.sum(self._each * self.energies)) if self.weights is not None else float(self.energies)
+        """Of these sections, in J."""
+        return float(np.sum(self.each * self.energies)) if self.weights is not None else float(self.energies)
 
     def force(self) -> Array:
-        found: Array = np.einsum("k,kc,kcn->n", self._each, self.actions, self.maps)
+        """Generalised forces on z, in J, (n,)."""
+        found: Array = np.einsum("k,kc,kcn->n", self.each, self.actions, self.maps)
         return found
 
-    def _along(self, changes: Array) -> Array:
+    def along(self, changes: Array) -> Array:
         """Change of the actions (k, 3) by changes of place and angle (k, 3, ...)."""
         if self.weights is not None:
             return np.einsum("kcd,kd...->kc...", self.derivatives, changes)
         return np.einsum("kcjd,jd...->kc...", self.derivatives, changes)
 
     def slopes(self) -> Array:
-        straining = np.einsum("k,kcn,kcm->nm", self._each, self.maps, self._along(self.maps))
+        """Their derivatives by z, (n, n)."""
+        straining = np.einsum("k,kcn,kcm->nm", self.each, self.maps, self.along(self.maps))
         found: Array = straining + self.load.length * self.axis.second_derivative(self._vectors @ self.rows.position)
         return found
 
@@ -222,11 +239,12 @@ class _Sampled:
             return np.zeros(self.axis.beam.size)
         carried = 1j * self.place
         changes = np.stack([carried.real, carried.imag, np.ones(self.s.size)], axis=1)
-        rate = pace * self.by_parameter + turning * self._along(changes)
+        rate = pace * self.by_parameter + turning * self.along(changes)
         back = -1j * turning * (self.actions[:, 0] + 1j * self.actions[:, 1])
         rate = rate + np.stack([back.real, back.imag, np.zeros(self.s.size)], axis=1)
-        found: Array = np.einsum("k,kc,kcn->n", self._each, rate, self.maps)
+        found: Array = np.einsum("k,kc,kcn->n", self.each, rate, self.maps)
         return found
 
     def felt(self, units: tuple[float, float]) -> Felt:
-        return Felt(self.s, self.points, units[0] * self._vectors, units[1] * self._each * self.actions[:, 2])
+        """What acts on the sections, forces and couples in these units."""
+        return Felt(self.s, self.points, units[0] * self._vectors, units[1] * self.each * self.actions[:, 2])
