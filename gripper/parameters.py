@@ -169,6 +169,9 @@ def _grafted(value: Any, tree: Any) -> Any:
         return tree if not isinstance(value, sympy.Expr) else _shifted(value, tree)
     if isinstance(value, tuple):
         return tuple(_grafted(item, tree[i]) if i in tree else item for i, item in enumerate(value))
+    if isinstance(value, Placed) and tree.keys() - {"pose", "body"}:  # a part of an object: keys do not name its body
+        inner = {name: part for name, part in tree.items() if name != "pose"}
+        tree = {name: part for name, part in tree.items() if name == "pose"} | {"body": inner}
     return dataclasses.replace(value, **{name: _grafted(getattr(value, name), part) for name, part in tree.items()})
 
 

@@ -50,7 +50,7 @@ class Combined(Object):
         object.__setattr__(self, "parts", tuple(placed(part) for part in self.parts))
         if len(self.parts) < 2:
             raise ValueError(f"parts must hold at least 2 objects; got {len(self.parts)}")
-        _whole(self).check()
+        whole_of(self).check()
 
     @property
     def signs(self) -> tuple[float, ...]:
@@ -59,54 +59,54 @@ class Combined(Object):
 
     def evaluate(self, points: Array, order: int = 2) -> tuple[Array, ...]:
         """See `Object.evaluate`: of the part that counts."""
-        return _whole(self).evaluate(points, order)
+        return whole_of(self).evaluate(points, order)
 
     @property
     def corners(self) -> Array:
         """See `Object.corners`: the parts' that are left, and where they cross."""
-        return _whole(self).corners[0].points
+        return whole_of(self).corners[0].points
 
     @property
     def corner_normals(self) -> Array:
         """See `Object.corner_normals`."""
-        return _whole(self).corners[0].normals
+        return whole_of(self).corners[0].normals
 
     @property
     def hollows(self) -> Array:
         """See `Object.hollows`."""
-        return _whole(self).corners[1].points
+        return whole_of(self).corners[1].points
 
     @property
     def hollow_normals(self) -> Array:
         """See `Object.hollow_normals`."""
-        return _whole(self).corners[1].normals
+        return whole_of(self).corners[1].normals
 
     def bounds(self, centers: Array, radii: Array) -> tuple[Array, Array] | None:
         """See `Object.bounds`: of the parts that can count over a disc."""
-        return _whole(self).bounds(centers, radii)
+        return whole_of(self).bounds(centers, radii)
 
     def largest_curvature(self, centers: Array, radii: Array) -> Array:
         """See `Object.largest_curvature`."""
-        return _whole(self).largest_curvature(centers, radii)
+        return whole_of(self).largest_curvature(centers, radii)
 
     @property
     def box(self) -> Box:
         """See `Object.box`."""
-        return _whole(self).box
+        return whole_of(self).box
 
     @property
     def inner_radius(self) -> float:
         """See `Object.inner_radius`."""
-        return _whole(self).room[1]
+        return whole_of(self).room[1]
 
     @property
     def inner_point(self) -> Array:
         """See `Object.inner_point`."""
-        return _whole(self).room[0]
+        return whole_of(self).room[0]
 
     def outline(self, box: Box | None = None, tolerance: float | None = None) -> list[Array]:
         """See `Object.outline`."""
-        return _whole(self).outline(box, tolerance)
+        return whole_of(self).outline(box, tolerance)
 
 
 class Whole:
@@ -119,9 +119,12 @@ class Whole:
     def evaluate(self, points: Array, order: int) -> tuple[Array, ...]:
         """Return g and its derivatives, as `Object.evaluate`."""
         values = [member.evaluate(points, order) for member in self.members]
-        g = np.stack([value[0] for value in values])
-        which, every = g.argmax(axis=0) if self.largest else g.argmin(axis=0), np.arange(len(points))
+        which, every = self.counting(np.stack([value[0] for value in values])), np.arange(len(points))
         return tuple(np.stack(derivative)[which, every] for derivative in zip(*values, strict=True))
+
+    def counting(self, g: Array) -> Any:
+        """Which of the parts counts at each point, (n,), of all their g (parts, n)."""
+        return g.argmax(axis=0) if self.largest else g.argmin(axis=0)
 
     def gap(self, points: Array) -> Array:
         """G (n,), in m."""
@@ -266,4 +269,4 @@ def _open(ring: Array, window: Box) -> list[Array]:
     return [ring[np.append(run, run[-1] + 1) % (len(ring) - 1)] for run in runs if not framed[run[0]]]
 
 
-_whole: PerInstance[Combined, Whole] = PerInstance(Whole)
+whole_of: PerInstance[Combined, Whole] = PerInstance(Whole)

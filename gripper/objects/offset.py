@@ -51,51 +51,51 @@ class Offset(Object):
     def __post_init__(self) -> None:
         super().__post_init__()
         object.__setattr__(self, "part", placed(self.part))
-        _grown(self)
+        grown_of(self)
 
     def evaluate(self, points: Array, order: int = 2) -> tuple[Array, ...]:
         """See `Object.evaluate`."""
-        g, *rest = _grown(self).base.evaluate(points, order)
+        g, *rest = grown_of(self).base.evaluate(points, order)
         return (g - self.distance, *rest)
 
     def bounds(self, centers: Array, radii: Array) -> tuple[Array, Array]:
         """See `Object.bounds`: a distance's slope is 1."""
-        return np.ones(len(centers)), _grown(self).base.least_curvature(centers, radii)
+        return np.ones(len(centers)), grown_of(self).base.least_curvature(centers, radii)
 
     def largest_curvature(self, centers: Array, radii: Array) -> Array:
         """See `Object.largest_curvature`."""
-        return _grown(self).base.largest_curvature(centers, radii)
+        return grown_of(self).base.largest_curvature(centers, radii)
 
     @property
     def hollows(self) -> Array:
         """See `Object.hollows`: where two stretches of the part's outline are equally near."""
-        return _grown(self).hollows[0]
+        return grown_of(self).hollows[0]
 
     @property
     def hollow_normals(self) -> Array:
         """See `Object.hollow_normals`."""
-        return _grown(self).hollows[1]
+        return grown_of(self).hollows[1]
 
     @property
     def box(self) -> Box:
         """See `Object.box`."""
-        xmin, ymin, xmax, ymax = _grown(self).base.chain.box
+        xmin, ymin, xmax, ymax = grown_of(self).base.chain.box
         d = self.distance
         return (xmin - d, ymin - d, xmax + d, ymax + d)
 
     @property
     def inner_radius(self) -> float:
         """See `Object.inner_radius`."""
-        return _grown(self).room[1]
+        return grown_of(self).room[1]
 
     @property
     def inner_point(self) -> Array:
         """See `Object.inner_point`."""
-        return _grown(self).room[0]
+        return grown_of(self).room[0]
 
     def outline(self, box: Box | None = None, tolerance: float | None = None) -> list[Array]:
         """See `Object.outline`."""
-        grown = _grown(self)
+        grown = grown_of(self)
         fine = chord_tolerance(tolerance, grown.size)
         lines = [settled(self.evaluate, line, self.hollows, REACH * grown.size) for line in rings(grown.polygons)]
         return [refined(self.evaluate, line, fine) for line in lines]
@@ -159,4 +159,4 @@ def _closed_in(level: Callable[[Array, int], tuple[Array, ...]], point: Array, s
     return point, normals
 
 
-_grown: PerInstance[Offset, Grown] = PerInstance(Grown)
+grown_of: PerInstance[Offset, Grown] = PerInstance(Grown)

@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 
 from gripper.arrays import Array, Complex
-from gripper.objects import FeatureSurface, ImplicitSurface, Object
+from gripper.objects import Combined, FeatureSurface, ImplicitSurface, Object, Offset
 from gripper.objects.compiled import X, Y
 from gripper.sensitivity.opened import NotOpenError, Opened, surface
 
@@ -19,8 +19,8 @@ class ObjectRates(Protocol):
     def at(self, points: Array) -> tuple[Array, Complex]:
         """Rates of g (p, k), and of its gradient (p, k), at points (k, 2) in m."""
 
-    def corners(self) -> Complex:
-        """Rates of the object's corners, in m, (p, corners)."""
+    def corners(self, points: Array) -> Complex:
+        """Rates (p, k), in m, of the object's corners, convex or not, that lie at points (k, 2)."""
 
 
 def object_rates(body: Object, values: Mapping[str, float]) -> ObjectRates:
@@ -32,34 +32,35 @@ def object_rates(body: Object, values: Mapping[str, float]) -> ObjectRates:
         An object whose formulas sympy cannot differentiate, and that writes no rates of its pieces.
     """
     if not values:
-        return _NoRates(body)
+        return _NoRates()
     if isinstance(body, ImplicitSurface):
         return _FormulaRates(body, values)
+    if isinstance(body, (Combined, Offset)):
+        from gripper.sensitivity.part_rates import CombinedRates, OffsetRates  # here: their parts are objects again
+
+        return CombinedRates(body, values) if isinstance(body, Combined) else OffsetRates(body, values)
     rates = body.piece_rates() if isinstance(body, FeatureSurface) else {}
     if isinstance(body, FeatureSurface) and set(values) <= set(rates):
         return _PieceRates(body, np.array([rates[key] for key in values]))
-    rule = "be an ImplicitSurface, or a FeatureSurface that writes piece_rates, to be differentiated by its numbers"
-    raise NotOpenError(f"{type(body).__name__} must {rule}")
+    rule = "be an ImplicitSurface, a FeatureSurface that writes piece_rates, or made of such"
+    raise NotOpenError(f"{type(body).__name__} must {rule}, to be differentiated by its numbers")
 
 
 class _NoRates:
     """No numbers."""
 
-    def __init__(self, body: Object) -> None:
-        self.corner_count = len(body.corners)
-
     def at(self, points: Array) -> tuple[Array, Complex]:
         return np.zeros((0, len(points))), np.zeros((0, len(points)), dtype=complex)
 
-    def corners(self) -> Complex:
-        return np.zeros((0, self.corner_count), dtype=complex)
+    def corners(self, points: Array) -> Complex:
+        return np.zeros((0, len(points)), dtype=complex)
 
 
 class _FormulaRates:
     """By sympy, of an object that is one formula g(x, y)."""
 
     def __init__(self, body: ImplicitSurface, values: Mapping[str, float]) -> None:
-        self.body, self.values = body, list(values.values())
+        self.values = list(values.values())
         opened = Opened(body, values)
         self._rates = surface(opened.read(lambda part: part.g(X, Y)), tuple(opened.symbols.values()))
 
@@ -69,8 +70,8 @@ class _FormulaRates:
             table[divmod(row, 3)] = values  # a constant fills its row
         return table[:, 0], table[:, 1] + 1j * table[:, 2]
 
-    def corners(self) -> Complex:
-        return np.zeros((len(self.values), len(self.body.corners)), dtype=complex)
+    def corners(self, points: Array) -> Complex:
+        return np.zeros((len(self.values), len(points)), dtype=complex)
 
 
 class _PieceRates:
@@ -96,8 +97,9 @@ class _PieceRates:
         turned = (hessians @ velocity[..., None])[..., 0] + (normals * stretch).sum(axis=2)[..., None] * steep
         return -(normals * velocity).sum(axis=2), -(turned[..., 0] + 1j * turned[..., 1])
 
-    def corners(self) -> Complex:
-        moved = self.rates[:, self.chain.convex_corner, 0]
+    def corners(self, points: Array) -> Complex:
+        nearest = np.abs(points[:, None] - self.chain.vertex).max(axis=2).argmin(axis=1)
+        moved = self.rates[:, nearest, 0]
         found: Complex = moved[..., 0] + 1j * moved[..., 1]
         return found
 

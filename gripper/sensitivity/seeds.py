@@ -235,7 +235,7 @@ class Seeds:
         turn = cmath.exp(1j * obstacle.frame.angle)
         change.gaps[self._object_rows] += g / self.setting.sections.length
         change.normals[self._object_rows] += gradient * turn
-        corners = self.object.corners() * turn / self.setting.sections.length
+        corners = self.object.corners(self.setting.body.corners) * turn / self.setting.sections.length
         for span in t.spans:
             if span.site.kind == "vertex":
                 at, vertex = span.queries.start, span.site.vertex
