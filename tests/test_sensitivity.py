@@ -407,7 +407,9 @@ def test_an_object_of_objects_has_derivatives_by_the_numbers_of_its_parts(which)
     for i, (key, value) in enumerate(own.items()):
         step = 1e-4 if key.endswith("angle") else 3e-6
         ends = [placed(replaced(scene, {key: value + h}).object).body for h in (step, -step)]
-        g, slope = (np.subtract(*each) / (2 * step) for each in zip(*(end.evaluate(points, 1) for end in ends)))
+        g, slope = (
+            np.subtract(*each) / (2 * step) for each in zip(*(e.evaluate(points, 1) for e in ends), strict=True)
+        )
         off = np.abs(exact[0][0][i] - g), np.abs(exact[0][1][i] - slope @ [1, 1j]) / (1 + np.abs(slope).max())
         assert max(np.sort(each)[:-3].max() for each in off) < 1e-4, key  # but at points that lie between two parts
         corners = [min(end.corners, key=lambda q: math.dist(q, p)) - p for p in body.corners for end in ends]
