@@ -16,8 +16,10 @@ from gripper.beam.strains import Beam
 from gripper.contact.kinematics import Kinematics
 from gripper.contact.linear import linearise
 from gripper.contact.site import Site
+from gripper.motion.branch import pointed as settled_as_points
 from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, kkt_step
 from gripper.statics.newton import settle
+from gripper.statics.patches import fit_patches
 from gripper_plugins.objects.circle import Circle
 from gripper_plugins.objects.polygon import Polygon
 from tests.scenes import Q, Solved, follow, micro_assembly, rotating_finger, unit_finger
@@ -199,3 +201,15 @@ def test_an_object_out_of_reach_leaves_newton_without_an_equilibrium() -> None:
     start = State(free.equilibrium.state.beam, free.equilibrium.state.z, (Site("tangent", 0, (0.5,)),), np.ones(1))
     with pytest.raises(NoEquilibriumError, match=r"did not converge|diverged|singular"):
         settle(free.setting, far, start, 4)
+
+
+@pytest.mark.parametrize("x_e", [0.0508, 0.0254, -0.0254, -0.0762])
+def test_a_point_foresees_the_width_of_its_patch_also_where_g_is_no_distance(x_e: float) -> None:
+    """On the ellipse |grad g| goes from 1 to 1.5: a width that forgets it is 1.42 times too wide at x_e = 0.0318."""
+    *_, solved = follow(rotating_finger(0.127, x_e))
+    patch = solved.equilibrium.state.sites[0]
+    pointed = settled_as_points(solved.setting, solved.equilibrium, solved.equilibrium.state.beam.order)
+    foreseen = fit_patches(solved.setting, pointed)[0]
+    assert (patch.kind, foreseen.kind) == ("patch", "patch")
+    width = patch.place[1] - patch.place[0]
+    assert foreseen.place == pytest.approx(patch.place, abs=0.01 * width)

@@ -41,12 +41,13 @@ def fit_patches(setting: Setting, equilibrium: Equilibrium) -> tuple[Site, ...]:
     """
     if setting.theory == "bending":
         return equilibrium.state.sites
-    sites, column, after = [], 0, 0
+    sites, column, after, row, below = [], 0, 0, 0, 0
     for i, site in enumerate(equilibrium.state.sites):
-        column, after = after, after + site.unknowns
+        column, after, row, below = after, after + site.unknowns, below, below + site.multipliers
         if site.kind == "tangent" and site.on_face:
             force = abs(complex(equilibrium.linear.forces[i].sum()))
-            curvature = float(equilibrium.linear.residual_slopes[column, column])
+            steepness = abs(complex(equilibrium.linear.force_multipliers[row]))  # g need not be a distance
+            curvature = float(equilibrium.linear.residual_slopes[column, column]) / steepness
             site = _patch(setting, equilibrium, site, force, curvature)
         elif site.kind == "patch" and site.place[1] - site.place[0] < PATCH / 2:
             site = replace(site, kind="tangent", place=(site.middle,), modes=1)
