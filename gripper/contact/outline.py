@@ -29,6 +29,12 @@ def dot(a: Complex, b: Complex) -> Array:
     return a.real * b.real + a.imag * b.imag
 
 
+def outward(piece: Index | int, tangents: Complex) -> Complex:
+    """Unit normals out of the finger: right of the tangents, on the upper face left."""
+    normals: Complex = tangents / np.abs(tangents) * np.where(np.equal(piece, UPPER), 1j, -1j)
+    return normals
+
+
 @dataclass(frozen=True)
 class Piece:
     """A face, or a straight rigid piece of the outline in the end section's frame."""

@@ -36,8 +36,10 @@ class Change:
     detail: str
 
 
-def changes(setting: Setting, path: Path, old: Along, new: Along, order: int) -> list[Change]:
+def changes(setting: Setting, path: Path, old: Along, new: Along, order: int, *, located: bool = True) -> list[Change]:
     """Touch, release and change of face, edge or corner between two neighbouring poses, located on the parameter.
+
+    Where nobody asks for the places, those that the proof of the branch does not need are not located.
 
     Raises
     ------
@@ -50,7 +52,7 @@ def changes(setting: Setting, path: Path, old: Along, new: Along, order: int) ->
     for lost in list(gone):
         won = next((f for f in come if lost in gone and adjacent(setting, lost, f)), None)
         if won is not None:
-            where = changed(setting, path, old, new, lost, won, order)
+            where = changed(setting, path, (old, new), (lost, won), order, located=located)
             out.append(Change(where, "change", f"{feature_name(outline, lost)} to {feature_name(outline, won)}"))
             gone, come = apart_from(before, gone, lost), apart_from(after, come, won)
     if come and not before:

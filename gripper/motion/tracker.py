@@ -317,7 +317,8 @@ class Tracker:
         if self.events or self.sites:
             after = Along(following, found.equilibrium)
             try:
-                changed = changes(self.setting, self.path, before, after, self.order)
+                located = self.events or self.watch is not None
+                changed = changes(self.setting, self.path, before, after, self.order, located=located)
             except NoEquilibriumError:
                 if self._travel(self.parameter, following) > _INDIVISIBLE:
                     raise

@@ -34,10 +34,19 @@ def adjacent(setting: Setting, lost: Feature, won: Feature) -> bool:
     return setting.outline.meet(lost[1], won[1])
 
 
-def changed(setting: Setting, path: Path, old: Along, new: Along, lost: Feature, won: Feature, order: int) -> float:
+def changed(
+    setting: Setting,
+    path: Path,
+    poses: tuple[Along, Along],
+    contact: tuple[Feature, Feature],
+    order: int,
+    *,
+    located: bool = True,
+) -> float:
     """A contact that has a place on its piece tells by its reaching the end; a corner by its multiplier."""
+    (old, new), (lost, won) = poses, contact
     if lost[0] == won[0] == "vertex" and lost[1] == won[1]:
-        return _rolled(setting, path, old, new, won, order)
+        return _rolled(setting, path, poses, won, order, located=located)
     if "corner" not in (lost[0], won[0]) and lost[0] != won[0]:
         return _turned(setting, path, (old, new) if lost[0] == "vertex" else (new, old), (lost, won), order)
     if lost[0] != "corner":
@@ -85,15 +94,20 @@ def _from_end(setting: Setting, equilibrium: Equilibrium, i: int, far: bool) -> 
     return site.place[0], float(rates[0])
 
 
-def _rolled(setting: Setting, path: Path, old: Along, new: Along, won: Feature, order: int) -> float:
+def _rolled(
+    setting: Setting, path: Path, poses: tuple[Along, Along], won: Feature, order: int, *, located: bool
+) -> float:
     """Where the object's next corner comes down on a face: of several that pass within the step, about where.
 
     Neighbours that carry together are followed as the strongest of them alone: together they exist on short ways only.
     """
+    old, new = poses
     alone = replace(old, equilibrium=strongest_alone(setting, old.equilibrium, order))
     branch, place = Branch(setting, path, alone, order), new.equilibrium.state.sites[number(new, won)].place
     if distance(branch.at(new.parameter).state, new.equilibrium.state) > rolled_apart(old, new):
         raise NoEquilibriumError("the step leads to another branch")
+    if not located:
+        return new.parameter
     corner = Site("vertex", won[1], place, won[2])
 
     def height(parameter: float) -> float:

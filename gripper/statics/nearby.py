@@ -7,7 +7,7 @@ import numpy as np
 from gripper.arrays import Array
 from gripper.beam.axis import Axis
 from gripper.contact.obstacle import Obstacle
-from gripper.contact.outline import LOWER, UPPER, dot
+from gripper.contact.outline import LOWER, UPPER, dot, outward
 from gripper.contact.site import Site
 from gripper.statics.certificate import Survey
 from gripper.statics.equilibrium import Setting, State
@@ -78,7 +78,7 @@ def vertex_heights(setting: Setting, obstacle: Obstacle, axis: Axis, found: Surv
     away = obstacle.corners[:, None] - points[None, :]
     foot = np.clip(dot(away, along), 0.0, (pieces.u1 - pieces.u0) * np.abs(tangents))
     distances = np.abs(away - foot * along)
-    heights = dot(away, -1j * along * np.where(pieces.piece == UPPER, -1.0, 1.0))
+    heights = dot(away, outward(pieces.piece, along))
     nearest, each = pieces.piece[np.argmin(distances, axis=1)], np.arange(len(away))
     out = {}
     for piece in np.unique(pieces.piece).tolist():
@@ -100,8 +100,7 @@ def vertex_height(setting: Setting, obstacle: Obstacle, axis: Axis, site: Site) 
         segment = axis.beam.segment_of(u) if site.on_face else np.array([axis.beam.segments - 1])
         place, tangent = (complex(v[0]) for v in setting.outline.trace(axis, piece, u, segment)[:2])
         u = np.clip(u + ((corner - place) * tangent.conjugate()).real / abs(tangent) ** 2, 0.0, end)
-    outward = -1j * tangent / abs(tangent) * (-1.0 if site.piece == UPPER else 1.0)
-    return float(((corner - place) * outward.conjugate()).real)
+    return float(((corner - place) * outward(site.piece, np.array(tangent)).conjugate()).real)
 
 
 def _half_thickness(setting: Setting, piece: int, u: Array) -> Array:

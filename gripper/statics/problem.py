@@ -18,7 +18,7 @@ from gripper.beam.axis import Axis
 from gripper.beam.energy import energy, energy_gradient, energy_hessian
 from gripper.contact.linear import linearise
 from gripper.contact.obstacle import Obstacle
-from gripper.contact.outline import UPPER, dot
+from gripper.contact.outline import UPPER, dot, outward
 from gripper.contact.site import Site, own_segment
 from gripper.result import LeftOut
 from gripper.statics.acting import LoadEnergy
@@ -205,16 +205,20 @@ class Problem:
 
     def _gaps(self, axis: Axis, sites: tuple[Site, ...]) -> tuple[Array, Array]:
         """Gaps and their gradients at places that are found: these may move, which changes no least gap."""
-        if not sites or any(site.kind == "vertex" for site in sites):
-            none = np.zeros(len(sites))
-            lin = linearise(self.beam, axis.z, self.setting.outline, self.obstacle, sites, none, kinks=False)
-            return self._signed(lin.values, sites), lin.gradients
+        if not sites:
+            return np.zeros(0), np.zeros((0, self.size))
         piece = np.array([site.piece for site in sites])
         u = np.array([site.place[0] if site.place else 0.0 for site in sites])
         segment = np.array([own_segment(self.beam, site) for site in sites])
         points, moving = self.setting.outline.movable(axis, piece, u, segment)
-        g, normal = self.obstacle.slope(points)
-        return g, (normal.conj()[:, None] * moving).real
+        corner = np.array([site.kind == "vertex" for site in sites])
+        g, normal = (np.zeros(u.shape), np.zeros(u.shape) + 0j) if corner.all() else self.obstacle.slope(points)
+        if corner.any():
+            tangents = self.setting.outline.trace(axis, piece, u, segment)[1][corner]
+            normal[corner] = -outward(piece[corner], tangents)
+            away = points[corner] - self.obstacle.corners[[site.vertex for site in sites if site.kind == "vertex"]]
+            g[corner] = dot(away, normal[corner])
+        return self._signed(g, sites), (normal.conj()[:, None] * moving).real
 
     def _signed(self, values: Array, sites: tuple[Site, ...]) -> Array:
         """A corner of the object that has passed the end of the piece is clear of it."""
@@ -231,8 +235,8 @@ class Problem:
     def _slope(self, axis: Axis, u: Array, piece: Index, segment: Index, row: Array) -> tuple[Array, Array]:
         """What is least at the place, and its slope along the piece: g, or the distance to the object's corner."""
         points, tangents, _ = self.setting.outline.trace(axis, piece, u, segment)
-        g, normal = self.obstacle.slope(points)
         vertex = self._vertex[row]
+        g, normal = (np.zeros(u.shape), np.zeros(u.shape) + 0j) if vertex.all() else self.obstacle.slope(points)
         if vertex.any():
             corners = self.obstacle.corners[[self.candidates[i].vertex for i in self._owners[row[vertex]]]]
             away = points[vertex] - corners

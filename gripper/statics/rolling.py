@@ -16,7 +16,7 @@ from gripper.arrays import Array, Index
 from gripper.beam.axis import Axis
 from gripper.contact.features import neighbours
 from gripper.contact.obstacle import Obstacle
-from gripper.contact.outline import UPPER, dot
+from gripper.contact.outline import dot, outward
 from gripper.contact.site import Site
 from gripper.statics.certificate import DEPTH
 from gripper.statics.equilibrium import Equilibrium, Setting, State
@@ -26,7 +26,7 @@ NEAR = 0.15
 """Of L: how far along a face an object rolls in a step."""
 _ROLLS = 8
 _FEET = 4  # Newton steps to the feet of normals
-_SETTLED = 1e-9  # of L
+_SETTLED = 1e-4  # of L: what such a step changes of a height is its square
 
 
 def rolled_on(setting: Setting, equilibrium: Equilibrium, order: int) -> Equilibrium:
@@ -143,8 +143,7 @@ def corners_along(setting: Setting, obstacle: Obstacle, axis: Axis, site: Site) 
         u = (u + steps).clip(0.0, end)
         if np.abs(steps).max() < _SETTLED:
             break
-    outward = -1j * tangent / np.abs(tangent) * (-1.0 if site.piece == UPPER else 1.0)
-    heights = dot(corners - place, outward)
+    heights = dot(corners - place, outward(site.piece, tangent))
     deepest = setting.sections.thickness(u) / 2 if site.on_face else np.full(u.shape, end / 2)
     over = np.flatnonzero((u > 0) & (u < end) & (heights > -deepest))
     over = over[np.argsort(u[over], kind="stable")]
