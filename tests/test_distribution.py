@@ -105,6 +105,12 @@ class Hollow(gr.Finger):
 
 
 @dataclass(frozen=True, kw_only=True)
+class Torn(gr.Finger):
+    def w(self, s):
+        return sympy.Piecewise((0.003, s < 0.03), (0.002, True))
+
+
+@dataclass(frozen=True, kw_only=True)
 class Knot(gr.Jaw):
     def polygon(self, thickness):
         return ((0, 0), (0.01, 0.01), (0.01, 0), (0, 0.01))
@@ -127,6 +133,7 @@ raises = broken:Raises
 late = broken:Late
 [gripper.fingers]
 hollow = broken:Hollow
+torn = broken:Torn
 [gripper.jaws]
 knot = broken:Knot
 """
@@ -197,6 +204,11 @@ REFUSED = {
     "raises": (OBJECT, '[object]\nsurface = "raises"\n', "no such thing"),
     "late": (OBJECT, '[object]\nsurface = "late"\n', "sensor lost"),
     "hollow": ('"waisted"', '"hollow"', "must have a positive thickness w(s), in m; got"),
+    "torn": (
+        '"waisted"',
+        '"torn"',
+        "must have a continuous thickness w(s), in m (a step is a steep flank); got a jump",
+    ),
     "knot": ('"wedge"', '"knot"', "must write a polygon that does not meet itself"),
 }
 
@@ -220,7 +232,7 @@ print(json.dumps(said))
 def broken(name: str) -> str:
     one, other, _ = REFUSED[name]
     text = SCENE.replace(one, other)
-    if name == "hollow":
+    if name in ("hollow", "torn"):
         text = text.replace('thickness = "3.2 mm"\n', "")
     return text.replace('length = "19 mm"\nheight = "4 mm"\n', "") if name == "knot" else text
 
@@ -246,6 +258,22 @@ def test_a_broken_plugin_is_named_with_its_distribution_in_one_message(
     assert REFUSED[name][2] in message
     assert "gripper-broken 1.2" in message
     assert not (fresh.parents[2] / f"{name}.out").exists()
+
+
+CHECK = """
+import gripper as gr
+from broken import Torn
+from gripper.testing import check_finger
+check_finger(Torn(length=0.06, width=0.01, material=gr.Material(youngs_modulus=1e9, poisson_ratio=0.3)))
+"""
+
+
+def test_the_check_kit_names_plugin_and_distribution(fresh: Path) -> None:
+    message = run(fresh, "-c", CHECK).stderr.splitlines()[-1]
+    assert "finger 'torn' of gripper-broken 1.2 (broken:Torn): Torn(length=0.06" in message
+    assert message.endswith(
+        "must have a continuous thickness w(s), in m (a step is a steep flank); got a jump of 0.001 at s = 0.03"
+    )
 
 
 def test_a_sound_scene_after_broken_ones_has_its_answer(said: dict[str, tuple[int, str]]) -> None:

@@ -113,6 +113,9 @@ BROKEN_FINGERS = {
         "w": lambda self, s: sympy.Piecewise((0.002, s < 0.05), (0.003, True)),
         "kinks": lambda self: (),
     },
+    r"must have a continuous thickness w\(s\), in m \(a step is a steep flank\); got a jump of 0.001 at s = 0.05": {
+        "w": lambda self, s: sympy.Piecewise((0.002, s < 0.05), (0.003, True)),
+    },
     "must have kinks that rise between 0 and its length": {"kinks": lambda self: (0.05, 0.2)},
 }
 

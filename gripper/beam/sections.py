@@ -19,6 +19,8 @@ from gripper.kinks import beside_kinks
 from gripper.laws import SectionLaw, section_law
 
 _PARTS = 16
+_BESIDE = 1e-9  # of L: how far beside a kink
+_JUMP = 1e-5  # relative: across a kink the thickness is continuous where it changes by less
 _CHECKED = np.linspace(0.0, 1.0, 129)
 
 
@@ -114,7 +116,8 @@ def sections(finger: Finger) -> Sections:
     Raises
     ------
     ValueError
-        Where the thickness or the width is not positive and finite somewhere on [0, L], or the rest shape folds.
+        Where the thickness or the width is not positive and finite somewhere on [0, L], the thickness jumps (a step is
+        a steep flank), or the rest shape folds.
     """
     w, b = sympy.sympify(finger.w(S)), sympy.sympify(finger.b(S))
     thickness, width, stiffness = _compiled(w), _compiled(b), _compiled(b * w**3, b * w)
@@ -127,6 +130,9 @@ def sections(finger: Finger) -> Sections:
         if wrong.any():
             value, place = float(values[wrong][0]), float(stations[wrong][0])
             raise ValueError(f"{name} must be positive along the finger, in m; got {value!r} at s = {place!r}")
+    torn = largest_jump(finger, lambda s: thickness(s)[0])
+    if torn:
+        raise ValueError(f"thickness must be continuous, in m; got a jump of {torn[1]!r} at s = {torn[0]!r}")
     clamp = np.zeros(1)
     scale = finger.material.bending_modulus * float(stiffness(clamp)[0][0]) / 12
     kinks = tuple(sorted(k / finger.length for k in finger.kinks()))
@@ -140,6 +146,17 @@ def sections(finger: Finger) -> Sections:
     law = section_law(finger.material)
     base = None if finger.base is None else finger.base.rotational_stiffness * finger.length / scale
     return Sections(finger, finger.length, scale, kinks, bent, base, bounds, law, thickness, stiffness, profile)
+
+
+def largest_jump(finger: Finger, thickness: Callable[[Array], Array]) -> tuple[float, float] | None:
+    """Where a finger's thickness jumps most at one of its kinks, and by how much, in m; None where it is continuous."""
+    kinks = np.array(finger.kinks())
+    if not kinks.size:
+        return None
+    before, after = thickness(kinks - _BESIDE * finger.length), thickness(kinks + _BESIDE * finger.length)
+    jumps = np.abs(after - before)
+    worst = int(np.argmax(jumps))
+    return (float(kinks[worst]), float(jumps[worst])) if jumps[worst] > _JUMP * before[worst] else None
 
 
 def _bounds(w: sympy.Expr, length: float) -> tuple[float, float, float]:

@@ -169,8 +169,7 @@ def _sound(instance: Any, place: Place) -> Any:
     try:
         quick_check(instance)
     except ContractError as error:
-        what = f"must be what {record} promises"
-        raise place.error(f"{what} ({error})", type(instance).__name__) from error
+        raise place.error(f"must keep what its kind promises ({error})", type(instance).__name__) from error
     return instance
 
 

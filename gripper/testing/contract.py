@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 import sympy
 
 from gripper.names import shortened
-from gripper.registry import fault
+from gripper.registry import fault, record_of
 
 Plugin = TypeVar("Plugin")
 Property = Callable[[Plugin], None]
@@ -41,7 +41,7 @@ def run(instance: Plugin, properties: Sequence[Property[Plugin]]) -> None:
     Raises
     ------
     ContractError
-        Names the instance, the property, the rule and what was got; or what the plugin raised.
+        Names plugin, distribution, instance, rule and what was got; or what the plugin raised.
     """
     for each in properties:
         try:
@@ -55,10 +55,13 @@ def run(instance: Plugin, properties: Sequence[Property[Plugin]]) -> None:
 
 
 def _called(instance: object) -> str:
+    """The instance, and whose plugin it is where its class is one that is installed."""
     try:
-        return shortened(repr(instance))
+        shown = shortened(repr(instance))
     except Exception:  # a plugin's own repr may raise anything
-        return f"a {type(instance).__name__}"
+        shown = f"a {type(instance).__name__}"
+    record = record_of(type(instance))
+    return shown if record is None else f"{record}: {shown}"
 
 
 def _sentence(each: Callable[..., None]) -> str:

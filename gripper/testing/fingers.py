@@ -9,7 +9,7 @@ import numpy as np
 import sympy
 
 from gripper.arrays import Array
-from gripper.beam.sections import sections
+from gripper.beam.sections import largest_jump, sections
 from gripper.fingers import Finger, S
 from gripper.kinks import beside_kinks
 from gripper.testing.contract import Property, fits, has_the_manners_of_data, require, run, survives_a_scene_file
@@ -47,6 +47,13 @@ def has_kinks_between_its_ends(finger: Finger) -> None:
     """The arc lengths where its profiles have kinks rise, and lie between 0 and L."""
     kinks = np.array([0.0, *finger.kinks(), finger.length])
     require(bool((np.diff(kinks) > 0).all()), "have kinks that rise between 0 and its length, in m", finger.kinks())
+
+
+def has_a_continuous_thickness(finger: Finger) -> None:
+    """The thickness does not jump, not at the kinks either: the faces would be torn there."""
+    jump = largest_jump(finger, _compiled(_profiles(finger)["thickness w(s)"]))
+    rule = "have a continuous thickness w(s), in m (a step is a steep flank)"
+    require(jump is None, rule, jump and f"a jump of {jump[1]:g} at s = {jump[0]:g}")
 
 
 def has_no_kinks_but_those_named(finger: Finger) -> None:
@@ -98,6 +105,7 @@ FINGER_PROPERTIES: tuple[Property[Finger], ...] = (
     has_profiles_of_s_alone,
     has_positive_profiles,
     has_kinks_between_its_ends,
+    has_a_continuous_thickness,
     has_no_kinks_but_those_named,
     has_bounds_of_its_thickness,
     survives_a_scene_file("gripper.fingers", "material", "jaw"),
