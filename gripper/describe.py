@@ -12,7 +12,7 @@ from gripper.fingers import Base, Finger, Jaw, Material
 from gripper.friction import Coefficients, Friction
 from gripper.objects import Object
 from gripper.pose import Placed, Pose, placed
-from gripper.registry import installed
+from gripper.registry import record_of, scene_name
 from gripper.scene import Motion, Scene
 
 
@@ -62,11 +62,11 @@ def _fields(instance: Any, *but: str) -> dict[str, Any]:
     return {name: _value(getattr(instance, name)) for name in names if getattr(instance, name) is not None}
 
 
-def _name(group: str, instance: Any) -> str:
+def _name(instance: Any) -> str:
     """Give the name under which the instance's class is registered, else where the class is."""
     cls = type(instance)
-    path = f"{cls.__module__}:{cls.__qualname__}"
-    return next((record.name for record in installed(group) if record.target == path), path)
+    record = record_of(cls)
+    return scene_name(record) if record else f"{cls.__module__}:{cls.__qualname__}"
 
 
 def _material(material: Material) -> dict[str, Any]:
@@ -78,16 +78,16 @@ def _pose(pose: Pose) -> dict[str, Any]:
 
 
 def _jaw(jaw: Jaw) -> dict[str, Any]:
-    return {"shape": _name("gripper.jaws", jaw)} | _fields(jaw)
+    return {"shape": _name(jaw)} | _fields(jaw)
 
 
 def _finger(finger: Finger, pose: Pose) -> dict[str, Any]:
-    table = {"profile": _name("gripper.fingers", finger)} | _fields(finger, "material", "jaw") | {"pose": _pose(pose)}
+    table = {"profile": _name(finger)} | _fields(finger, "material", "jaw") | {"pose": _pose(pose)}
     return table | ({"jaw": _jaw(finger.jaw)} if finger.jaw else {})
 
 
 def _object(target: Placed[Object]) -> dict[str, Any]:
-    return {"surface": _name("gripper.objects", target.body)} | _fields(target.body) | {"pose": _pose(target.pose)}
+    return {"surface": _name(target.body)} | _fields(target.body) | {"pose": _pose(target.pose)}
 
 
 def table(group: str, instance: Any) -> dict[str, Any]:
@@ -125,7 +125,7 @@ def describe(scene: Scene) -> dict[str, Any]:
     if scene.friction:
         tables["friction"] = _friction(scene.friction)
     if scene.loads:
-        tables |= {"loads": [{"type": _name("gripper.loads", load)} | _fields(load) for load in scene.loads]}
+        tables |= {"loads": [{"type": _name(load)} | _fields(load) for load in scene.loads]}
     if scene.limits:
         tables["limits"] = dict(scene.limits.bounds)
     if scene.tolerances:

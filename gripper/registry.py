@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
-import inspect
-import pkgutil
+import sys
 import traceback
 from collections.abc import Iterable, Iterator
 from importlib.metadata import EntryPoint, EntryPoints, distributions, entry_points
 from typing import Any
 
 from gripper.names import known_names
+from gripper.plugin_rules import Kind, unfit
 
 LONGEST_MESSAGE = 300
 """Characters of a stranger's error that are repeated."""
@@ -48,6 +48,11 @@ class Record:
     target: str
 
     @property
+    def full_name(self) -> str:
+        """The name with its distribution's, which scene files may always write."""
+        return f"{self.distribution}:{self.name}"
+
+    @property
     def kind(self) -> str:
         """Object, finger, jaw or load, in lower case."""
         return _KINDS[self.group].word
@@ -56,22 +61,16 @@ class Record:
         return f"{self.kind} {self.name!r} of {self.distribution} {self.version} ({self.target})"
 
 
-@dataclasses.dataclass(frozen=True)
-class _Kind:
-    word: str
-    base: str
-    keys: frozenset[str]
-    """Keys of its table in a scene file that are not its own fields."""
-
-
 _KINDS = {
-    "gripper.objects": _Kind("object", "gripper.objects:Object", frozenset({"surface", "pose"})),
-    "gripper.fingers": _Kind("finger", "gripper.fingers:Finger", frozenset({"profile", "pose"})),
-    "gripper.jaws": _Kind("jaw", "gripper.fingers:Jaw", frozenset({"shape"})),
-    "gripper.loads": _Kind("load", "gripper.loads:Load", frozenset({"type"})),
+    "gripper.objects": Kind("object", "gripper.objects:Object", frozenset({"surface", "pose"})),
+    "gripper.fingers": Kind("finger", "gripper.fingers:Finger", frozenset({"profile", "pose"})),
+    "gripper.jaws": Kind("jaw", "gripper.fingers:Jaw", frozenset({"shape"})),
+    "gripper.loads": Kind("load", "gripper.loads:Load", frozenset({"type"})),
 }
 OWN = "gripper"
 """The distribution of this project."""
+OWN_PLUGINS = "gripper_plugins"
+"""The package of its plugins."""
 GROUPS = tuple(_KINDS)
 """The groups of entry points, in which anyone can offer plugins."""
 
@@ -127,7 +126,7 @@ def load(group: str, name: str) -> type[Any]:
     group
         gripper.objects, gripper.fingers, gripper.jaws or gripper.loads.
     name
-        As a scene file writes it.
+        As a scene file writes it: a name, which is this project's plugin where it has one, or ``distribution:name``.
 
     Returns
     -------
@@ -142,7 +141,7 @@ def load(group: str, name: str) -> type[Any]:
         It cannot be imported, is not what the group asks for, or two distributions offer the name.
     """
     records = installed(group)
-    found = [record for record in records if record.name == name]
+    found = _meant(name, records)
     if not found:
         known = known_names(name, dict.fromkeys(record.name for record in records))
         raise LookupError(f"unknown {_KINDS[group].word} {name!r}; known: {known}")
@@ -151,18 +150,43 @@ def load(group: str, name: str) -> type[Any]:
 
 def check(record: Record) -> str | None:
     """Tell why a plugin cannot be used; None where it can."""
-    same = [other for other in installed(record.group) if other.name == record.name]
     try:
-        _loaded(same or [record])
+        _loaded([record])
     except PluginError as error:
         return error.reason
     return None
 
 
+def scene_name(record: Record, records: Iterable[Record] | None = None) -> str:
+    """Give the name by which a scene file calls a plugin: its own, with its distribution where that is another's.
+
+    Parameters
+    ----------
+    record
+        The plugin.
+    records
+        All of its group, where they are known already.
+    """
+    meant = _meant(record.name, installed(record.group) if records is None else records)
+    return record.name if meant == [record] else record.full_name
+
+
+def _meant(name: str, records: Iterable[Record]) -> list[Record]:
+    """The plugins that a name can mean: this project's own before any stranger's."""
+    found = [record for record in records if name in (record.name, record.full_name)]
+    return [record for record in found if record.distribution == OWN] or found
+
+
 def record_of(cls: type[Any]) -> Record | None:
-    """Find the entry point that names a class; None where none does."""
-    target = f"{cls.__module__}:{cls.__qualname__}"
-    return next((record for group in GROUPS for record in installed(group) if record.target == target), None)
+    """Find the entry point that names a class, this project's own first; None where none does."""
+    found = (record for group in GROUPS for record in installed(group) if _is_target(record.target, cls))
+    return min(found, key=lambda record: (record.distribution != OWN, record), default=None)
+
+
+def _is_target(target: str, cls: type[Any]) -> bool:
+    """Whether an entry point names a class: where it is written, or where a module that is imported repeats it."""
+    module, _, name = target.partition(":")
+    return target == f"{cls.__module__}:{cls.__qualname__}" or getattr(sys.modules.get(module), name, None) is cls
 
 
 def blamed(error: BaseException, *instances: object) -> str | None:
@@ -170,14 +194,14 @@ def blamed(error: BaseException, *instances: object) -> str | None:
     frames = traceback.walk_tb(error.__traceback__)
     modules = {frame.f_globals.get("__name__") for frame, _ in frames}
     for cls in (type(instance) for instance in instances):
-        if cls.__module__ in modules and cls.__module__.partition(".")[0] != "gripper_plugins":
+        if cls.__module__ in modules and cls.__module__.partition(".")[0] != OWN_PLUGINS:
             return str(record_of(cls) or f"{cls.__module__}:{cls.__qualname__}")
     return None
 
 
 def fault(group: str, cls: Any) -> str | None:
     """Tell what keeps a class from being a plugin of a group, registered or not; None where nothing does."""
-    return _unfit(cls, _KINDS[group])
+    return unfit(cls, _KINDS[group])
 
 
 def _records(points: Iterable[EntryPoint]) -> list[Record]:
@@ -195,12 +219,13 @@ def _records(points: Iterable[EntryPoint]) -> list[Record]:
 def _loaded(found: list[Record]) -> type[Any]:
     if len(found) > 1:
         offers = " and ".join(f"{record.distribution} {record.version} ({record.target})" for record in found)
-        raise PluginError(f"{found[0].kind} {found[0].name!r}", f"offered more than once, by {offers}: uninstall one")
+        names = " or ".join(repr(record.full_name) for record in found)
+        raise PluginError(f"{found[0].kind} {found[0].name!r}", f"offered more than once, by {offers}: write {names}")
     cls = _imported(found[0])
-    reason = _unfit(cls, _KINDS[found[0].group])
+    reason = unfit(cls, _KINDS[found[0].group])
     if reason:
         raise PluginError(str(found[0]), reason)
-    return cls  # _unfit has checked that it is a class
+    return cls  # unfit has checked that it is a class
 
 
 def _imported(record: Record) -> Any:
@@ -210,21 +235,3 @@ def _imported(record: Record) -> Any:
         raise
     except BaseException as error:  # a stranger's module may raise anything, SystemExit too; it is kept as the cause
         raise PluginError(str(record), f"its import fails with {_said(error)}") from error
-
-
-def _unfit(cls: Any, kind: _Kind) -> str | None:
-    """Tell what keeps a class from being a plugin of this kind; None where nothing does."""
-    base: type[Any] = pkgutil.resolve_name(kind.base)
-    if not inspect.isclass(cls):
-        return f"it must be a class; got {type(cls).__name__}"
-    if not issubclass(cls, base):
-        return f"it must be a subclass of {kind.base.replace(':', '.')}; got {cls.__name__}"
-    own = vars(cls)  # a base's fields do not make its subclass a dataclass
-    if "__dataclass_fields__" not in own or not own["__dataclass_params__"].frozen:
-        return f"it must be a frozen dataclass; got {cls.__name__}"
-    if own["__abstractmethods__"]:
-        return f"it must write {', '.join(sorted(own['__abstractmethods__']))}; got none"
-    clash = sorted(kind.keys.intersection(own["__dataclass_fields__"]))
-    if clash:
-        return f"its fields must have other names than the scene file's own keys; got {', '.join(clash)}"
-    return None

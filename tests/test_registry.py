@@ -6,7 +6,9 @@ import pytest
 from gripper.fingers import Finger, Jaw
 from gripper.loads import Load
 from gripper.objects import Object
-from gripper.registry import GROUPS, PluginError, check, installed, load, unreadable
+from gripper.registry import GROUPS, OWN, PluginError, check, installed, load, scene_name, unreadable
+from gripper.registry import record_of as record_of_class
+from gripper_plugins.jaws import Triangle
 
 BASES = {"gripper.objects": Object, "gripper.fingers": Finger, "gripper.jaws": Jaw, "gripper.loads": Load}
 
@@ -32,6 +34,19 @@ class Clash(Peg):
 
 class NoDataclass(Peg):
     pass
+
+@dataclass(frozen=True, kw_only=True)
+class TakesNothing(Jaw):
+    def polygon(self):
+        return ()
+
+@dataclass(frozen=True, kw_only=True)
+class NoMethod(Jaw):
+    polygon: tuple[float, ...] = ()
+
+@dataclass(frozen=True, kw_only=True)
+class Misspelt(Peg):
+    other: "Postive" = 1
 
 @dataclass(frozen=True)
 class Stranger:
@@ -112,6 +127,9 @@ BROKEN = {
     "foreign_mixed:constant": "it must be a class; got int",
     "foreign_mixed:Stranger": "it must be a subclass of gripper.fingers.Jaw; got Stranger",
     "foreign_mixed:NoDataclass": "it must be a frozen dataclass; got NoDataclass",
+    "foreign_mixed:TakesNothing": "its polygon must take thickness; got nothing",
+    "foreign_mixed:NoMethod": "its polygon must be a method; got a tuple",
+    "foreign_mixed:Misspelt": "its fields must have types that can be looked up; got NameError: name 'Postive'",
     "foreign_mixed:NoPolygon": "it must write polygon",
     "foreign_mixed:Clash": "its fields must have other names than the scene file's own keys; got shape",
     "not a target!": "its import fails with",
@@ -140,11 +158,38 @@ def test_a_broken_plugin_says_why_and_whose_it_is_and_takes_no_other_down(distri
 def test_a_name_that_two_distributions_offer_is_refused_with_both(distribution):
     distribution("foreign-one", "[gripper.jaws]\npeg = foreign_one:Peg\n", "foreign_one")
     distribution("foreign-two", "[gripper.jaws]\npeg = foreign_two:Peg\n", "foreign_two")
-    with pytest.raises(PluginError, match=r"foreign-one 2.5 .* and foreign-two 2.5"):
+    with pytest.raises(PluginError, match=r"foreign-one 2.5 .* and foreign-two 2.5 .*: write 'foreign-one:peg' or"):
         load("gripper.jaws", "peg")
     offers = [record for record in installed("gripper.jaws") if record.name == "peg"]
     assert [record.distribution for record in offers] == ["foreign-one", "foreign-two"]
-    assert all("offered more than once" in (check(record) or "") for record in offers)
+    assert [scene_name(record) for record in offers] == ["foreign-one:peg", "foreign-two:peg"]
+    for record in offers:
+        assert check(record) is None
+        assert load("gripper.jaws", scene_name(record)).__module__ == record.target.split(":")[0]
+
+
+def test_a_stranger_s_plugin_with_a_name_of_this_project_s_is_called_with_its_distribution(distribution):
+    distribution("foreign-jaws", "[gripper.jaws]\ntriangle = foreign_good:Peg\n", "foreign_good")
+    assert load("gripper.jaws", "triangle") is Triangle
+    assert load("gripper.jaws", "foreign-jaws:triangle").__name__ == "Peg"
+    own, other = sorted(
+        (r for r in installed("gripper.jaws") if r.name == "triangle"), key=lambda r: r.distribution != OWN
+    )
+    assert (check(own), check(other)) == (None, None)
+    assert (scene_name(own), scene_name(other)) == ("triangle", "foreign-jaws:triangle")
+    assert record_of_class(Triangle) == own
+
+
+def test_a_class_that_another_module_repeats_is_known_by_its_entry_point(distribution):
+    distribution("foreign-jaws", "[gripper.jaws]\npeg = foreign_good:Peg\n", "foreign_good")
+    peg = load("gripper.jaws", "peg")
+    peg.__module__ = "foreign_good.inner"  # as where a package's __init__ imports it
+    assert record_of_class(peg).name == "peg"
+
+
+def test_a_name_of_a_stranger_for_this_project_s_class_does_not_rename_it(distribution):
+    distribution("foreign-jaws", "[gripper.jaws]\naaa = gripper_plugins.jaws.triangle:Triangle\n")
+    assert record_of_class(Triangle).name == "triangle"
 
 
 @pytest.mark.parametrize("entries", ["[gripper.jaws]\nno equals sign\n", "peg = a:b\n[gripper.jaws\nx\n"])

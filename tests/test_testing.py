@@ -86,7 +86,8 @@ BROKEN_OBJECTS = {
     "must have a box no wider than needed": {"box": (-0.04, -0.02, 0.02, 0.02)},
     "must have its inner point .* m inside": {"inner_radius": 0.03},
     "must have each corner on g = 0": {"corners": np.ones((1, 2)), "corner_normals": np.eye(2)[None]},
-    "must not fail where .* is checked; got TypeError": {"evaluate": lambda self, points: None},
+    "must not fail where .* is checked; got TypeError": {"evaluate": lambda self, points, order=2: None + 1},
+    "its evaluate must take points, order; got points": {"evaluate": lambda self, points: None},
 }
 
 
