@@ -117,3 +117,17 @@ def test_a_scene_without_a_tolerance_table_is_bad_input(tmp_path):
     outcome = CliRunner().invoke(app, ["tolerance", str(path), "-o", str(tmp_path / "out")])
     assert (outcome.exit_code, outcome.stdout) == (2, "")
     assert outcome.stderr == f"{path}: tolerance: must be given, as [tolerance] with half widths by key\n"
+
+
+def test_a_scene_without_derivatives_has_sampled_bands_alone_and_says_why(tmp_path):
+    path, folder = tmp_path / "scene.toml", tmp_path / "out"
+    path.write_text(scenefile.dumps(POSE) + '[[loads]]\ntype = "moment"\nmoment = "1 N*mm"\n')
+    outcome = CliRunner().invoke(app, ["tolerance", str(path), "-o", str(folder)])
+    assert (outcome.exit_code, outcome.stdout) == (2, "")
+    assert "loads must be left out, to be differentiated" in outcome.stderr and "--samples 256" in outcome.stderr
+    outcome = CliRunner().invoke(app, ["tolerance", str(path), "-o", str(folder), "--samples", "4"])
+    assert outcome.exit_code == 0 and outcome.stderr.startswith("no linear bands: loads must be left out")
+    table = list(csv.DictReader((folder / "tolerance.csv").read_text().splitlines()))
+    assert [row["quantity"] for row in table] == ["strain", "force_on_object"]
+    assert all(float(row["least"]) < float(row["value"]) < float(row["largest"]) for row in table)
+    assert all(row["worst"] == "" for row in table)

@@ -10,6 +10,7 @@ import numpy as np
 from gripper.contact.outline import Outline
 from gripper.contact.site import Site
 from gripper.fingers import Finger, Material
+from gripper.names import shortened
 from gripper.pose import placed
 from gripper.results.kept import Kept
 from gripper.results.pose_result import PoseResult
@@ -66,9 +67,8 @@ def refusal(scene: Scene) -> None:
     for cls, part in parts:
         for field in dataclasses.fields(cls):
             if field.name not in _KNOWN[cls] and getattr(part, field.name) != _default(field):
-                raise ValueError(
-                    f"{field.name} must be left out, to be differentiated; got {getattr(part, field.name)!r}"
-                )
+                got = shortened(repr(getattr(part, field.name)))
+                raise ValueError(f"{field.name} must be left out, to be differentiated; got {got}")
 
 
 def _default(field: dataclasses.Field[Any]) -> Any:
