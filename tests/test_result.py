@@ -18,7 +18,9 @@ import sympy
 
 from gripper.expression import parse
 from gripper.fingers import Finger, Material, S
+from gripper.friction import Friction
 from gripper.result import Checks, Contact, ErrorEstimate, Event, LeftOut, Model, PoseResult, Result, Shape
+from gripper.results.report import MOST_ROWS
 from gripper.scene import Motion, Scene
 from gripper_plugins.fingers.tapered import Tapered
 from gripper_plugins.fingers.uniform import Uniform
@@ -317,8 +319,31 @@ def test_the_text_of_a_long_motion_shows_the_ends_and_the_largest_force() -> Non
     poses[41] = replace(poses[41], force_on_object=(0.0, -99.0))
     text = str(replace(long, poses=tuple(poses)))
     firsts = [line.split()[0] for line in text.splitlines() if line.strip()]
-    assert {"0", "41", "99", "..."} <= set(firsts)
+    assert {"0", "41", "99"} <= set(firsts)
+    shown = sum(first.isdecimal() for first in firsts)
+    assert f"({shown} of 100 poses)" in text and shown <= MOST_ROWS
     assert "release at x_e = 0.0694" in text
+
+
+def test_the_text_of_a_motion_has_its_headline_numbers_and_says_what_is_wrong_last() -> None:
+    warned = replace(result(3, failed=(1,)), model=Model(theory="shear", warnings=("strains reach 0.2",)))
+    lines = str(warned).splitlines()
+    assert [line.split()[0] for line in lines if line.startswith(("strain ", "clearance ", "force on object "))]
+    assert lines[-3] == "WARNING: strains reach 0.2"
+    assert lines[-2] == "WARNING: 1 of 3 poses failed"
+
+
+def test_the_text_says_how_many_events_are_not_shown_of_which_kinds_and_where_they_are() -> None:
+    events = tuple(Event(parameter=0.001 * i, kind="slip" if i % 2 else "stick") for i in range(13))
+    lines = str(replace(result(3), events=events)).splitlines()
+    assert "... and 5 more, the last at x_e = 0.012 (3 stick, 2 slip): see result.events" in lines
+    assert sum(line.startswith(("slip at", "stick at")) for line in lines) == 8
+
+
+def test_the_text_gives_friction_and_its_coefficient() -> None:
+    given = result(3)
+    rough = replace(given, scene=replace(given.scene, friction=Friction(coefficient={"finger": 0.2, "jaw": 0.3})))
+    assert "friction: coulomb, mu = 0.2 (jaw: 0.3)" in str(rough)
 
 
 def test_the_text_warns_of_failed_poses() -> None:

@@ -44,6 +44,7 @@ def run(
 
 def _run(scene_file: Path, folder: Path) -> None:
     from gripper.output import write
+    from gripper.results.report import as_text
     from gripper.scenefile import SceneFileError, read
 
     try:
@@ -56,9 +57,10 @@ def _run(scene_file: Path, folder: Path) -> None:
                 with writing(folder):
                     paths = write(folder, result)
             finally:  # also where the disk is full
-                typer.echo(str(result))
+                typer.echo(as_text(result, f"{folder / 'result.json'}"))
     except SceneFileError as error:
         stop(str(error), BAD_INPUT)
+    typer.echo()
     for path in paths:
         typer.echo(path)
     if interrupted:

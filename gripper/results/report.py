@@ -7,8 +7,12 @@ import html
 import io
 import math
 import textwrap
+from collections import Counter
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
+
+from gripper.friction import Coefficients, Friction
+from gripper.pose import placed
 
 if TYPE_CHECKING:
     from gripper.result import Checks, Contact, PoseResult, Result
@@ -18,6 +22,13 @@ WIDTH = 100
 MOST_ROWS = 20
 """Poses in a table; of a longer motion the table shows its ends, events and extremes."""
 _MOST_LINES = 8
+_HEADLINES = (
+    *("insertion_force", "retention_force", "retention_ratio", "dissipation", "locking_margin"),
+    *("strain", "strain_margin", "clearance", "force_on_object"),
+)
+"""The numbers of a summary that are printed with a motion."""
+_NO_GAP = 1e-9
+"""Of the finger's length: a smaller gap is printed as 0."""
 _HEADER = ("pose", "status", "Fx (N)", "Fy (N)", "clamp (N m)", "energy (J)", "strain", "gap (m)", "contacts")
 
 
@@ -47,9 +58,11 @@ def _where(contact: Contact) -> str:
     return f"{contact.on} {contact.s:.4g}"
 
 
-def _cells(i: int, pose: PoseResult, parameter: str | None) -> list[str]:
-    force = pose.force_on_object or (None, None)
-    numbers = (*force, pose.clamp_moment, pose.energy, pose.max_strain, pose.min_gap)
+def _cells(i: int, pose: PoseResult, parameter: str | None, length: float) -> list[str]:
+    force, gap = pose.force_on_object or (None, None), pose.min_gap
+    if gap is not None and abs(gap) < _NO_GAP * length:
+        gap = 0.0
+    numbers = (*force, pose.clamp_moment, pose.energy, pose.max_strain, gap)
     place = [_number(pose.parameter and round(pose.parameter, 12) + 0.0)] if parameter else []
     contacts = ", ".join(_where(contact) for contact in pose.contacts)
     return [str(i), *place, pose.status, *(_number(number) for number in numbers), contacts]
@@ -69,18 +82,16 @@ def _telling(poses: Sequence[PoseResult]) -> list[int]:
     changes = {i for i in numbers[1:] if poses[i].status != poses[i - 1].status}
     extremes = {max(numbers, key=lambda i: _force(poses[i])), max(numbers, key=lambda i: poses[i].max_strain or 0.0)}
     spread = {round(i * numbers[-1] / 6) for i in range(7)}
-    return sorted(spread | extremes | set(sorted(changes | {i - 1 for i in changes})[: MOST_ROWS - 10]))
+    both = spread | extremes
+    return sorted(both | set(sorted(changes | {i - 1 for i in changes})[: MOST_ROWS - 1 - len(both)]))
 
 
 def _rows(result: Result) -> list[list[str]]:
-    """Build the table's rows; one of a single ellipsis stands for the poses between."""
-    poses = result.poses
+    """Build the table's rows; of many poses, a last one of a single cell says how many are shown."""
+    poses, length = result.poses, placed(result.scene.finger).body.length
     shown = list(range(len(poses))) if len(poses) <= MOST_ROWS else _telling(poses)
-    rows: list[list[str]] = []
-    for before, i in zip([-1, *shown], shown, strict=False):
-        rows += [["..."]] if i > before + 1 else []
-        rows.append(_cells(i, poses[i], result.parameter))
-    return rows
+    rows = [_cells(i, poses[i], result.parameter, length) for i in shown]
+    return rows if len(shown) == len(poses) else [*rows, [f"({len(shown)} of {len(poses)} poses)"]]
 
 
 def _table(result: Result) -> list[str]:
@@ -122,13 +133,31 @@ def _capped(lines: list[str], what: str) -> list[str]:
     return lines if more <= 0 else [*lines[:_MOST_LINES], f"... and {more} more {what}"]
 
 
-def _events(result: Result) -> list[str]:
+def _events(result: Result, where: str) -> list[str]:
     name = result.parameter or "parameter"
     lines = [
         f"{event.kind} at {name} = {event.parameter:.6g}{event.detail and f' ({event.detail})'}"
         for event in result.events
     ]
-    return _capped(lines, "events")
+    rest = result.events[_MOST_LINES:]
+    if not rest:
+        return lines
+    kinds = Counter(event.kind for event in rest)
+    counts = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
+    more = f"... and {len(rest)} more, the last at {name} = {rest[-1].parameter:.6g} ({counts}): see {where}"
+    return [*lines[:_MOST_LINES], more]
+
+
+def _headlines(result: Result) -> list[str]:
+    """The numbers of a motion that a designer asks for, located between the poses; of one pose the table has them."""
+    if len(result.poses) == 1:
+        return []
+    summary = result.summary()
+    rough = result.scene.friction is not None and not result.scene.friction.absent
+    lines = summary.lines(name for name in _HEADLINES if rough or name not in ("dissipation", "locking_margin"))
+    if summary.locked:
+        lines.append(f"locked: friction holds the finger for any force at {summary.locked} of {summary.poses} poses")
+    return lines
 
 
 def _failures(result: Result) -> list[str]:
@@ -154,23 +183,37 @@ def _model(result: Result) -> list[str]:
     changes = [pose.error.next_theory for pose in result.poses if pose.error.next_theory is not None]
     chosen = f" (the next one would change forces by up to {100 * max(changes):.2g} %)" if changes else ""
     lines = [f"theory: {model.theory}{chosen}"]
-    lines += [f"left out: {part.what} ({part.why})" for part in model.left_out]
-    lines += [f"not modelled: {', '.join(model.not_modelled)}"] if model.not_modelled else []
-    return lines + [f"WARNING: {warning}" for warning in model.warnings]
+    friction = result.scene.friction
+    lines += [f"friction: {_friction(friction)}"] if friction and not friction.absent else []
+    lines += ["left out: " + "; ".join(f"{part.what} ({part.why})" for part in model.left_out)] * bool(model.left_out)
+    return lines + [f"not modelled: {', '.join(model.not_modelled)}"] * bool(model.not_modelled)
+
+
+def _friction(friction: Friction) -> str:
+    mu = friction.coefficient
+    said = f"{mu.finger} (jaw: {mu.jaw})" if isinstance(mu, Coefficients) else f"{mu}"
+    return f"{friction.model}, mu = {said}"
+
+
+def _warnings(result: Result) -> list[str]:
+    return [f"WARNING: {warning}" for warning in result.model.warnings]
 
 
 def _wrapped(lines: list[str]) -> list[str]:
     return [piece for line in lines for piece in textwrap.wrap(line, WIDTH, subsequent_indent="  ")]
 
 
-def as_text(result: Result) -> str:
-    """Fill one screen: title, model, table of poses, events, the details of a single pose, failures."""
+def as_text(result: Result, events: str = "result.events") -> str:
+    """Fill one screen: title, model, table of poses, events, peaks or the details of a single pose, what is wrong.
+
+    ``events`` says where all events are, if there are more than are shown.
+    """
     blocks = [
         _wrapped([result.title] if result.title else []) + _wrapped(_model(result)),
         _table(result),
-        _wrapped([*_events(result), *_others(result)]),
-        _wrapped(_details(result.poses[0])) if len(result.poses) == 1 else [],
-        _wrapped(_failures(result)),
+        _wrapped([*_events(result, events), *_others(result)]),
+        _wrapped(_details(result.poses[0])) if len(result.poses) == 1 else _headlines(result),
+        _wrapped([*_warnings(result), *_failures(result)]),
     ]
     return "\n\n".join("\n".join(block) for block in blocks if block)
 
@@ -180,7 +223,8 @@ def as_html(result: Result) -> str:
     header = "".join(f"<th>{html.escape(cell)}</th>" for cell in _header(result))
     rows = ("".join(f"<td>{html.escape(cell)}</td>" for cell in row) for row in _rows(result))
     body = "".join(f"<tr>{row}</tr>" for row in rows)
-    details = _details(result.poses[0]) if len(result.poses) == 1 else []
-    notes = [*_model(result), *_events(result), *_others(result), *details, *_failures(result)]
+    details = _details(result.poses[0]) if len(result.poses) == 1 else _headlines(result)
+    happened = [*_events(result, "result.events"), *_others(result)]
+    notes = [*_model(result), *happened, *details, *_warnings(result), *_failures(result)]
     text = "".join(f"<div>{html.escape(note)}</div>" for note in notes)
     return f"<div><b>{html.escape(result.title)}</b><table><tr>{header}</tr>{body}</table>{text}</div>"

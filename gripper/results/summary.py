@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from gripper.pose import placed
@@ -81,7 +82,7 @@ class Summary(Record):
 
     def __str__(self) -> str:
         """One line a quantity: value, unit, and where."""
-        lines = [line for name in QUANTITIES if (line := self._line(name))]
+        lines = self.lines(QUANTITIES)
         if self.parameter and self.insertion_force is not None:
             lines.append(f"(insertion and retention: work per unit of {self.parameter}; N, where that is a length)")
         if self.locked:
@@ -89,6 +90,10 @@ class Summary(Record):
         if self.failed:
             lines.append(f"WARNING: {self.failed} of {self.poses} poses failed; these are the numbers of the others")
         return "\n".join(lines)
+
+    def lines(self, names: Iterable[str]) -> list[str]:
+        """One line for each of these quantities that is known."""
+        return [line for name in names if (line := self._line(name))]
 
     def _line(self, name: str) -> str:
         value, at = getattr(self, name), self.place(name)
