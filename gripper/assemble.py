@@ -69,7 +69,9 @@ def left_out(scene: Scene, theory: BeamTheory) -> tuple[LeftOut, ...]:
     out = []
     if scene.friction is None or scene.friction.absent:
         out.append(LeftOut(what="friction", why="coefficient is 0" if scene.friction else "none is given"))
-    why = f"it changes forces by less than {scene.theory_tolerance:.2g}" if scene.theory == "auto" else "as asked"
+    why = (
+        f"it changes forces by less than {100 * scene.theory_tolerance:.2g} %" if scene.theory == "auto" else "as asked"
+    )
     missing = {"bending": ("shear strain", "stretch of the axis"), "shear": ("stretch of the axis",), "stretch": ()}
     out += [LeftOut(what=what, why=f"theory is {theory}: {why}") for what in missing[theory]]
     if finger.jaw is None:

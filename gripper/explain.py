@@ -63,6 +63,8 @@ class Explanation:
         Of the problems, in words.
     packages
         That solving it imports, and those of this project's that it does not.
+    warnings
+        Of its result.
     """
 
     title: str
@@ -70,6 +72,7 @@ class Explanation:
     decisions: tuple[Decision, ...]
     sizes: tuple[str, ...]
     packages: tuple[tuple[str, ...], tuple[str, ...]]
+    warnings: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         def block(head: str, lines: list[str]) -> list[str]:
@@ -79,7 +82,7 @@ class Explanation:
         used, unused = (", ".join(names) or "none" for names in self.packages)
         lines = [self.title] if self.title else []
         lines += block(f"sizes, {self.pose}", list(self.sizes))
-        lines += block("needed", kept) + block("left out", left)
+        lines += block("needed", kept) + block("left out", left) + block("warnings", list(self.warnings))
         return "\n".join([*lines, "packages", f"  solving imports: {used}", f"  not needed for it: {unused}"])
 
 
@@ -102,7 +105,12 @@ def explain(scene: Scene) -> Explanation:
     if pose.reason is not None:
         where, sizes = "at the first pose", [*sizes, f"no pose has an answer: {pose.reason}"]
     return Explanation(
-        title=scene.title, pose=where, decisions=tuple(decisions), sizes=tuple(sizes), packages=packages(scene)
+        title=scene.title,
+        pose=where,
+        decisions=tuple(decisions),
+        sizes=tuple(sizes),
+        packages=packages(scene),
+        warnings=result.model.warnings,
     )
 
 
@@ -128,10 +136,9 @@ def _terms(scene: Scene, result: Result, pose: PoseResult) -> list[Decision]:
 
 
 def _finger(finger: Finger) -> list[Decision]:
-    """What the finger may have: a law of its own, a shape at rest, and a base that yields."""
-    law, bent = finger.material.law, bool(finger.rest_curvature)
+    """What the finger may have: a shape at rest, and a base that yields."""
+    bent = bool(finger.rest_curvature)
     return [
-        Decision("nonlinear law", law != "linear", f"the material's law is {law}"),
         Decision("shape at rest", bent, "rest_curvature is given" if bent else "the unloaded finger is straight"),
         Decision("base that yields", finger.base is not None, _held(finger)),
     ]

@@ -120,7 +120,9 @@ class Friction:
             return
         needed = self.model == "published" or not moving
         if needed and self.sense is None:
-            why = "the published model" if self.model == "published" else "a scene without motion"
-            raise ValueError(f"sense must be 'tipward' or 'baseward' in {why}; got None")
+            if self.model == "published":
+                raise ValueError("sense must be 'tipward' or 'baseward' in the published model; got None")
+            given = "a motion, along which slip is found, or sense = 'tipward' or 'baseward'"
+            raise ValueError(f"friction must come with {given}; got neither")
         if self.sense is not None and not needed:
             raise ValueError(f"sense must be left out: in a motion, the coulomb model finds it; got {self.sense!r}")

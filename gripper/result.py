@@ -146,9 +146,9 @@ class Result:
     def pose(self) -> PoseResult:
         """The only pose; ValueError where there are several or where it failed."""
         if len(self.poses) > 1:
-            raise ValueError(f"this result holds {len(self.poses)} poses: use result.poses[i]; got no i")
+            raise ValueError(f"result must hold one pose (of several, use result.poses[i]); got {len(self.poses)}")
         if self.poses[0].status == "failed":
-            raise ValueError(f"the pose has no answer: {self.poses[0].reason}")
+            raise ValueError(f"result must hold a pose with an answer; got {self.poses[0].reason}")
         return self.poses[0]
 
     @property
@@ -285,5 +285,5 @@ Value = TypeVar("Value")
 
 def _known(value: Value | None) -> Value:
     if value is None:
-        raise ValueError("the pose has no such number: friction locks it")
+        raise ValueError("result must hold a pose that friction does not lock, to have this number; got a locked one")
     return value

@@ -115,9 +115,12 @@ class Scene:
                 parameter = (
                     f"the motion's parameter {self.motion.parameter!r}" if self.motion else "no symbol (no motion)"
                 )
-                raise ValueError(
-                    f"the pose of the {name} must depend on {parameter}; got {', '.join(sorted(unknown))!r}"
-                )
+                raise ValueError(f"{name}.pose must depend on {parameter}; got {', '.join(sorted(unknown))!r}")
+
+    @property
+    def posed(self) -> bool:
+        """Whether the motion's parameter stands in a pose; where it stands in no load either, it moves nothing."""
+        return any(placed(part).pose.parameters for part in (self.finger, self.object))
 
     def _check_loads(self) -> None:
         """Each is a load; whether it fits the finger shows when both are compiled."""

@@ -19,7 +19,7 @@ from gripper.statics.certificate import survey
 from gripper.statics.equilibrium import NoEquilibriumError, Setting, reckoned
 from gripper.statics.ladder import rungs, suffices, theory_difference
 from gripper.statics.newton import unloaded
-from gripper.statics.validity import plane_difference, unknown_between, warnings
+from gripper.statics.validity import plane_difference, unknown_between, unmoved, warnings
 from gripper.statics.verified import Verified, stability, untouched
 
 NOT_MODELLED = (
@@ -54,7 +54,11 @@ def model(scene: Scene, fixed: Setting, poses: Sequence[PoseResult], peak: Extre
         law = (*law, AXIAL)
     follows: tuple[str, ...] = () if fixed.loads is None or fixed.loads.conservative else (FLUTTER,)
     notes = (plane_difference(fixed.sections.finger.material), *NOT_MODELLED, *law, *bent, *own, *follows)
-    beyond = (*warnings(fixed.sections, poses, scene.tolerance), *unknown_between(fixed.sections, peak))
+    beyond = (
+        *unmoved(scene, fixed.loads),
+        *warnings(fixed.sections, poses, scene.tolerance),
+        *unknown_between(fixed.sections, peak),
+    )
     return Model(theory=fixed.theory, left_out=left_out(scene, fixed.theory), not_modelled=notes, warnings=beyond)
 
 
@@ -154,7 +158,9 @@ def solve(scene: Scene) -> Result:
         A scene with a motion (trace it), or a finger whose profile is not positive.
     """
     if scene.motion is not None:
-        raise ValueError("scene must have no motion; gripper.trace(scene) follows one")
+        raise ValueError(
+            f"scene must have no motion (gripper.trace follows one); got {scene.motion.parameter!r} with its values"
+        )
     for theory in rungs(scene):
         fixed = setting(scene, theory)
         pose = _posed(scene, fixed)

@@ -60,7 +60,7 @@ def trace(scene: Scene, progress: Callable[[int, int], None] | None = None) -> R
         By Ctrl-C, once a pose is done: a KeyboardInterrupt that holds what was computed.
     """
     if scene.motion is None:
-        raise ValueError("scene must have a motion; gripper.solve(scene) takes one pose")
+        raise ValueError("scene must have a motion (gripper.solve takes one pose); got None")
     report = _Forward(progress)
     for theory in rungs(scene):
         result = _followed(scene, scene.motion.values, theory, report)

@@ -123,9 +123,9 @@ COMPILED = {
     scene(x='"1e20 * q"'): "object.pose: must stay within 1e+09 finger lengths of the clamp",
     scene(motion=MOTION.replace("to", "to = 1e30\n#")): "object.pose: must stay within 1e+09 finger lengths",
     scene(x="0", y="0", motion=""): "object.pose: must leave the finger's clamp outside the object; got the clamp",
-    scene(x='"0 * q"', y="0"): "object.pose: must leave the finger's clamp outside the object; got the clamp",
+    scene(x='"1e-9 * q"', y="0"): "object.pose: must leave the finger's clamp outside the object; got the clamp",
     scene(more='[friction]\ncoefficient = "log(s - 1)"\n'): "friction.coefficient: must be at least 0; got nan",
-    conic("[0, 0, 0, -0.3, 1, 0.01]").replace('"q"', "0", 1).replace('"-10.5 mm"', "0")
+    conic("[0, 0, 0, -0.3, 1, 0.01]").replace('"q"', '"1e-9 * q"', 1).replace('"-10.5 mm"', "0")
     + "[approach]\ndirection = [1, 0.3]\n": "approach.direction: must be one along which the object comes from where",
 }
 """What shows when finger and object are compiled: within three seconds."""

@@ -229,6 +229,14 @@ print(json.dumps(said))
 """Runs scene after scene in one process: a broken plugin must not take the next scene down."""
 
 
+def test_a_width_that_is_wrong_is_the_scene_s_not_the_plugin_s(fresh: Path, tmp_path: Path) -> None:
+    (tmp_path / "scene.toml").write_text(SCENE.replace('width = "9.5 mm"', 'width = "-9.5 mm"'))
+    done = run(fresh, "-m", "gripper", "run", str(tmp_path / "scene.toml"), "-o", str(tmp_path / "out"))
+    assert done.returncode == 2
+    assert "finger.width: must be positive along the finger, in m; got -0.0095 at s = 0.0" in done.stderr
+    assert "gripper-bench" not in done.stderr
+
+
 def broken(name: str) -> str:
     one, other, _ = REFUSED[name]
     text = SCENE.replace(one, other)

@@ -11,6 +11,7 @@ import sympy
 from hypothesis import given
 from hypothesis import strategies as st
 
+import gripper as gr
 from gripper.assemble import setting
 from gripper.describe import describe as resolved
 from gripper.fields import Point, Positive, Profile, Surface, check_fields
@@ -88,11 +89,11 @@ REFUSED = {
     SCENE + "[loads]\ntype = 'force'\n": "loads: must be an array of tables, [[loads]]; got a table of type",
     SCENE + "[[loads]]\ntype = 'wind'\n": "loads[0].type: must be a plugin that works (unknown load 'wind'; known: ",
     SCENE + "[[loads]]\ntype = 'force'\nforce = [0, 'q']\n": "loads[0].force[1]: must hold known names only, not 'q'",
-    SCENE + "[[loads]]\ntype = 'force'\nforce = [0, 1]\ns = '58 mm'\n": "loads: a load must act above s = 0 and up to",
+    SCENE + "[[loads]]\ntype = 'force'\nforce = [0, 1]\ns = '58 mm'\n": "loads[0].s: must lie above 0 and up to",
     SCENE + "[[loads]]\ntype = 'gravity'\n": "loads[0]: density must be given, in kg/m^3, or else mass_per_length",
     SCENE
     + "[friction]\ncoefficient = 0.2\nsense = 'tipward'\n"
-    + "[[loads]]\ntype = 'following_force'\nforce = [0, 1]\n": "loads must have a potential that stays as it is",
+    + "[[loads]]\ntype = 'following_force'\nforce = [0, 1]\n": "loads: must have a potential that stays as it is",
     SCENE
     + "[tolerance]\nlength = 3\n": "tolerance.length: must be the key of a number (unknown number 'length'; known: ",
     SCENE + "[tolerance]\nfinger.length = 0\n": "tolerance.finger.length: must be a positive number, in m; got 0",
@@ -204,7 +205,7 @@ REFUSED = {
     SCENE + "[solver]\ntolerance = 0.5\n": "solver.tolerance: must lie between 1e-12 and 0.1; got 0.5",
     SCENE + "[solver]\ntolerance = -1\n": "solver.tolerance: must be a positive number",
     # friction
-    SCENE + "[friction]\ncoefficient = 0.2\n": "friction.sense: must be 'tipward' or 'baseward' in a scene without",
+    SCENE + "[friction]\ncoefficient = 0.2\n": "friction: must come with a motion, along which slip is found, or",
     SCENE
     + '[friction]\ncoefficient = "0.1 - 100 * s"\nsense = "tipward"\n': "friction.coefficient: must be at least 0; got",
     SCENE + "[friction]\ncoefficient = { finger = 0, jaw = -0.1 }\n": "friction.coefficient: must be at least 0",
@@ -571,3 +572,16 @@ def test_a_result_without_a_scene_is_refused_by_its_key(tmp_path, text, message)
     with pytest.raises(SceneFileError) as refusal:
         read(path)
     assert str(refusal.value).startswith(f"{path}: {message}")
+
+
+def test_a_motion_that_moves_nothing_is_refused_and_in_python_a_warning():
+    still = MOVING.replace('x = "q"', "x = 0.08")
+    assert still != MOVING
+    message = message_of(still)
+    assert "motion.parameter: must stand in an expression of finger.pose, object.pose or a load" in message
+    assert "got 'q', which stands in none" in message
+    assert loads(still + "[[loads]]\ntype = 'force'\nforce = [0, '1 N/m * q']\n")
+    scene = loads(MOVING)
+    scene = dataclasses.replace(scene, object=dataclasses.replace(scene.object, pose=Pose(x=0.1, y=-0.1)))
+    (warning,) = gr.trace(scene).model.warnings
+    assert warning == "the motion moves nothing: its parameter 'q' stands in no pose and in no load"

@@ -288,7 +288,7 @@ def test_no_pose_has_finger_and_object_in_each_other(name: str) -> None:
 
 
 def test_a_scene_without_motion_is_not_traced() -> None:
-    with pytest.raises(ValueError, match=r"scene must have a motion; gripper.solve\(scene\) takes one pose"):
+    with pytest.raises(ValueError, match=r"scene must have a motion \(gripper.solve takes one pose\); got None"):
         gr.trace(gr.Scene(finger=unit_finger(), object=ROUND.at(x=0.6, y=-0.5)))
 
 

@@ -122,14 +122,8 @@ def sections(finger: Finger) -> Sections:
     w, b = sympy.sympify(finger.w(S)), sympy.sympify(finger.b(S))
     thickness, width, stiffness = _compiled(w), _compiled(b), _compiled(b * w**3, b * w)
     profile = sympy.lambdify([S], [w, sympy.diff(w, S), beside_kinks(sympy.diff(w, S, 2))], "numpy", cse=True)
-    stations = _CHECKED * finger.length
-    for name, function in (("thickness", thickness), ("width", width)):
-        with np.errstate(all="ignore"):
-            values: Any = function(stations)[0]
-        wrong = ~(np.isfinite(values) & (values > 0))
-        if wrong.any():
-            value, place = float(values[wrong][0]), float(stations[wrong][0])
-            raise ValueError(f"{name} must be positive along the finger, in m; got {value!r} at s = {place!r}")
+    _check_positive("thickness", thickness, finger.length)
+    _check_positive("width", width, finger.length)
     torn = largest_jump(finger, lambda s: thickness(s)[0])
     if torn:
         raise ValueError(f"thickness must be continuous, in m; got a jump of {torn[1]!r} at s = {torn[0]!r}")
@@ -157,6 +151,21 @@ def largest_jump(finger: Finger, thickness: Callable[[Array], Array]) -> tuple[f
     jumps = np.abs(after - before)
     worst = int(np.argmax(jumps))
     return (float(kinks[worst]), float(jumps[worst])) if jumps[worst] > _JUMP * before[worst] else None
+
+
+def check_width(finger: Finger) -> None:
+    """Refuse a width that is not positive and finite somewhere on [0, L], without a look at the profile."""
+    _check_positive("width", _compiled(sympy.sympify(finger.b(S))), finger.length)
+
+
+def _check_positive(name: str, function: Callable[[Array], Any], length: float) -> None:
+    stations = _CHECKED * length
+    with np.errstate(all="ignore"):
+        values: Any = function(stations)[0]
+    wrong = ~(np.isfinite(values) & (values > 0))
+    if wrong.any():
+        value, place = float(values[wrong][0]), float(stations[wrong][0])
+        raise ValueError(f"{name} must be positive along the finger, in m; got {value!r} at s = {place!r}")
 
 
 def _bounds(w: sympy.Expr, length: float) -> tuple[float, float, float]:

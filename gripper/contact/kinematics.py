@@ -59,7 +59,7 @@ class Kinematics:
         try:
             values = [float(v) for v in self._function(parameter)]
         except (ValueError, ZeroDivisionError, OverflowError) as error:
-            raise ValueError(f"poses must be finite at every pose; at {parameter!r}: {error}") from error
+            raise ValueError(f"poses must be finite at every pose; got {error} at {parameter!r}") from error
         if not all(map(math.isfinite, values)):
             raise ValueError(f"poses must be finite at every pose; got {values[:6]} at {parameter!r}")
         return values

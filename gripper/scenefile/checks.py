@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from typing import Any
 
 import numpy as np
@@ -34,7 +35,10 @@ def check_whole(scene: Scene, place: Place) -> None:
     finger, target = placed(scene.finger), placed(scene.object)
     profile = _profile(finger.body, place.at("finger"))
     _check_room(target.body, place.at("object"))
-    _check_loads(scene, profile, place.at("loads"))
+    driven = _check_loads(scene, profile, place.at("loads"))
+    if scene.motion and not (scene.posed or driven or len(set(scene.motion.values)) == 1):
+        rule = "must stand in an expression of finger.pose, object.pose or a load, to move something"
+        raise place.at("motion").at("parameter").error(rule, f"{scene.motion.parameter!r}, which stands in none")
     clamp = _poses(finger.pose, scene.motion, place.at("finger"))
     body = _poses(target.pose, scene.motion, place.at("object"))
     away = (body - clamp)[:, :2]
@@ -44,16 +48,23 @@ def check_whole(scene: Scene, place: Place) -> None:
         raise place.at("object").at("pose").error(rule, f"{tuple(away[far][0].tolist())} from it")
 
 
-def _check_loads(scene: Scene, profile: Sections, place: Place) -> None:
-    """Compile the loads on their finger."""
+def _check_loads(scene: Scene, profile: Sections, place: Place) -> bool:
+    """Compile the loads on their finger; tell whether the motion drives one."""
     if not scene.loads:
-        return
-    from gripper.statics.compiled_loads import compiled_loads  # here, because most scenes have none
+        return False
+    from gripper.statics.compiled_loads import compiled, compiled_loads  # here, because most scenes have none
 
+    parameter = scene.motion.parameter if scene.motion else None
+    for i, load in enumerate(scene.loads):
+        try:
+            compiled(load, profile.finger, parameter)
+        except ValueError as error:
+            fields = {field.name: field.name for field in dataclasses.fields(load)}
+            raise place.entry(i).broken(error, fields) from None
     try:
-        compiled_loads(scene, profile)
+        return compiled_loads(scene, profile).driven
     except ValueError as error:
-        raise place.broken(error) from None
+        raise Place(place.file).broken(error, {"loads": "loads"}) from None
 
 
 def _profile(finger: Finger, place: Place) -> Sections:

@@ -8,6 +8,7 @@ from typing import Any, get_args
 
 import sympy
 
+from gripper.beam.sections import check_width
 from gripper.expression import Names, is_name, is_reserved, written_kind
 from gripper.expression.dimensions import METRE, PURE, RADIAN, Dimension
 from gripper.fields import Finite
@@ -50,6 +51,7 @@ _SCENE_FIELDS = (
     _SOLVER_FIELDS
     | {"approach": "approach.direction"}
     | {key: f"friction.{key}" for key in ("coefficient", "model", "sense")}
+    | {"friction": "friction"}
 )
 _SPAN = ("from", "to", "poses")
 LONGEST_TITLE = 500
@@ -128,7 +130,13 @@ def _finger(value: Any, place: Place, material: Material, names: Names) -> Place
     base = build(Base, *_section(table, "base", place)) if "base" in table else None
     pose = _pose(*_section(table, "pose", place), names)
     made = {"material": material, "jaw": jaw, "base": base}
-    return Placed(_sound(build(cls, table, place, made, ("profile", "pose", "jaw", "base")), place), pose)
+    built = build(cls, table, place, made, ("profile", "pose", "jaw", "base"))
+    if cls.b is Finger.b:  # the width is the scene's, not the plugin's
+        try:
+            check_width(built)
+        except ValueError as error:
+            raise place.broken(error, {"width": "width"}) from None
+    return Placed(_sound(built, place), pose)
 
 
 def _jaw(table: Table, place: Place) -> Jaw:

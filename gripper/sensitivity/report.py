@@ -73,9 +73,9 @@ class Sensitivity(Record):
     def pose(self) -> PoseSensitivity:
         """The only pose; ValueError where there are several or where it has no derivative."""
         if len(self.poses) > 1:
-            raise ValueError(f"this sensitivity holds {len(self.poses)} poses: use .poses[i]; got no i")
+            raise ValueError(f"sensitivity must hold one pose (of several, use .poses[i]); got {len(self.poses)}")
         if self.poses[0].kind == "none":
-            raise ValueError(f"the pose has no derivative: {self.poses[0].reason}")
+            raise ValueError(f"sensitivity must hold a pose with derivatives; got {self.poses[0].reason}")
         return self.poses[0]
 
     @property

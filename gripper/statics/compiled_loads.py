@@ -75,7 +75,7 @@ def compiled(load: Load, finger: Finger, parameter: str | None) -> CompiledLoad:
     for s in stations or ():
         if not 0 < s <= finger.length * (1 + _TOLERANCE):
             raise ValueError(
-                f"a load must act above s = 0 and up to the finger's length {finger.length!r}, in m; got s = {s!r}"
+                f"s must lie above 0 and up to the finger's length {finger.length!r}, in m; got {s!r} of {load!r}"
             )
     count = 1 if stations is None else len(stations)
     sections = [Section(*sympy.symbols(f"s{i} x{i} y{i} angle{i}", real=True)) for i in range(count)]
@@ -87,7 +87,7 @@ def compiled(load: Load, finger: Finger, parameter: str | None) -> CompiledLoad:
     foreign = sorted(symbol.name for symbol in others if symbol.name != parameter)
     if foreign:
         known = f"the motion's parameter {parameter!r}" if parameter else "no symbol (no motion)"
-        raise ValueError(f"a load must depend on {known}; got {', '.join(foreign)!r}")
+        raise ValueError(f"loads must depend on {known}; got {', '.join(foreign)!r} in {load!r}")
     actions = [part.subs(dict.fromkeys(others, q)) for part in actions]
     places = [symbol for section in sections for symbol in section[1:]]
     slopes = _slopes(actions, places, symmetric=isinstance(load, PotentialLoad))
@@ -140,6 +140,11 @@ class Loads:
     def closed(self) -> bool:
         """Whether the drive's work is all that changes strain energy and potential."""
         return self.steady and self.conservative
+
+    @property
+    def driven(self) -> bool:
+        """Whether the motion's parameter stands in any."""
+        return any(part.varies for part in self.parts)
 
     @functools.cached_property
     def marks(self) -> tuple[float, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,6 +12,10 @@ from gripper.beam.sections import Sections
 from gripper.fingers import Material
 from gripper.result import PoseResult
 from gripper.results.extremes import Extreme
+from gripper.scene import Scene
+
+if TYPE_CHECKING:
+    from gripper.statics.compiled_loads import Loads
 
 STRAIN = 0.1
 """Largest strain up to which a linear law stands for any: there they lie 3 % apart (tests/reference/fem.json)."""
@@ -51,6 +56,13 @@ def warnings(sections: Sections, poses: Sequence[PoseResult], tolerance: float) 
     if crossing is not None:
         found.append(f"the finger crosses itself{_where(crossing)}: contact of the finger with itself is not modelled")
     return tuple(found)
+
+
+def unmoved(scene: Scene, loads: Loads | None) -> tuple[str, ...]:
+    """Say where a motion's parameter moves nothing."""
+    if scene.motion is None or scene.posed or (loads is not None and loads.driven):
+        return ()
+    return (f"the motion moves nothing: its parameter {scene.motion.parameter!r} stands in no pose and in no load",)
 
 
 def unknown_between(sections: Sections, peak: Extreme | None) -> tuple[str, ...]:

@@ -146,7 +146,7 @@ def _places(scene: Scene, at: Sequence[float] | None) -> list[float | None]:
         return list(at)
     touching = [pose.parameter for pose in trace(scene).poses if pose.status == "contact"]
     if not touching:
-        raise ValueError("a pose must be in contact; the object touches nothing along the motion")
+        raise ValueError(f"scene must have a pose in contact; got none along {scene.motion.parameter!r}")
     return [touching[(len(touching) - 1) * i // 4] for i in (1, 2, 3)] if len(touching) > 2 else touching
 
 

@@ -289,8 +289,9 @@ def _check(scene: Scene, parameter: float | None, N: int, shear: Shear) -> None:
         raise ValueError(f"N must be at least 2 elements; got {N!r}")
     if (parameter is None) != (scene.motion is None):
         raise ValueError(f"parameter must be given where the scene has a motion, and only there; got {parameter!r}")
-    if placed(scene.finger).body.rest_curvature:
-        raise ValueError("rest_curvature must be left out: the paper's finger is straight at rest")
+    bent = placed(scene.finger).body.rest_curvature
+    if bent:
+        raise ValueError(f"rest_curvature must be left out (the paper's finger is straight at rest); got {bent!r}")
     law = placed(scene.finger).body.material.law
     if law != "linear":
         raise ValueError(f"law must be 'linear', as the paper's is; got {law!r}")

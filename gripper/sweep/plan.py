@@ -79,4 +79,4 @@ def _number(key: str, text: str) -> float:
     try:
         return number(f"{glued[1]} {glued[2]}" if glued else text)
     except ValueError as error:
-        raise ValueError(f"values of {key}: {error}") from None
+        raise ValueError(f"values of {key} {str(error).removeprefix('expression ')}") from None
