@@ -146,7 +146,7 @@ class Result:
     def pose(self) -> PoseResult:
         """The only pose; ValueError where there are several or where it failed."""
         if len(self.poses) > 1:
-            raise ValueError(f"result must hold one pose (of several, use result.poses[i]); got {len(self.poses)}")
+            raise ValueError(f"result must hold one pose (of several use result.poses[i]); got {len(self.poses)}")
         if self.poses[0].status == "failed":
             raise ValueError(f"result must hold a pose with an answer; got {self.poses[0].reason}")
         return self.poses[0]
