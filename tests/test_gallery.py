@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from matplotlib.quiver import Quiver
 
 from gripper import Motion, PoseResult, Result, Scene, solve, trace
 from gripper.study.cases import maps, random
@@ -145,6 +146,15 @@ def test_the_micro_assembly_touches_where_the_reference_says_and_ends_free() -> 
 def test_figure_5_s_pose_agrees_with_the_shooting_solution() -> None:
     pose = run("micro_assembly").given[2].pose
     assert_agrees(pose, BEAM["micro_assembly"]["poses"]["0.06781"]["mu = 0"], 0.057, 1e-4)
+
+
+def test_the_arrows_of_the_micro_assembly_s_two_fingers_keep_apart() -> None:
+    ran = run("micro_assembly")
+    figure = ran.given[1].filmstrip(ran.module.STAGES, mirror=ran.module.MIRROR)
+    pairs = [[each for each in ax.collections if isinstance(each, Quiver)] for ax in figure.axes]
+    heads = [[float(arrow.XY[0, 1] + arrow.V[0]) for arrow in pair] for pair in pairs if pair]
+    assert len(heads) == 3
+    assert all(above > 1e3 * ran.module.MIRROR[1] > below for above, below in heads)
 
 
 def test_the_micro_assembly_with_friction_agrees_with_shooting_and_finite_elements_on_its_way_in() -> None:

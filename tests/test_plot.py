@@ -20,7 +20,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Polygon
+from matplotlib.patches import FancyArrowPatch, Polygon
 from matplotlib.path import Path
 from matplotlib.quiver import Quiver
 from matplotlib.text import Text
@@ -33,6 +33,7 @@ from gripper.fingers import Material
 from gripper.objects import Object
 from gripper.plot.filmstrip import MOST_SNAPSHOTS
 from gripper.result import Contact, Event, Model, PoseResult, Result, Shape
+from gripper.results.pose_result import Applied
 from gripper.scene import Motion, Scene
 from gripper_plugins.fingers.uniform import Uniform
 from gripper_plugins.jaws.triangle import Triangle
@@ -503,6 +504,38 @@ def test_the_second_finger_is_the_mirror_image_of_the_first() -> None:
     assert (second.U[0], second.V[0]) == pytest.approx((first.U[0], -first.V[0]))
     assert "each" in ax.get_title()
     assert sum(p.get_xy().shape[0] > 50 and p.get_fill() for p in ax.patches) == 1  # one object
+
+
+def test_a_load_that_is_round_off_beside_the_motion_s_largest_has_no_arrow() -> None:
+    given = motion([0.0, 0.0, 0.0])
+    forces = [(0.0, 5.0), (0.0, 5.0 * math.sin(math.pi)), (0.0, 5e-60)]
+    poses = [
+        replace(pose, loads=(Applied(load=0, s=LENGTH, point=(0.0, 0.0), force=force, moment=0.0),))
+        for pose, force in zip(given.poses, forces, strict=True)
+    ]
+    drawn = replace(given, poses=tuple(poses)).filmstrip()
+    assert [sum(isinstance(p, FancyArrowPatch) for p in ax.patches) for ax in panels(drawn)] == [1, 0, 0]
+    alone = replace(given, poses=tuple(poses[2:])).filmstrip()
+    assert not [p for p in panels(alone)[0].patches if isinstance(p, FancyArrowPatch)]
+
+
+def test_next_to_nothing_is_drawn_and_printed_as_zero_but_kept() -> None:
+    given = motion([0.0, 0.0])
+    tiny = replace(
+        given, poses=tuple(replace(p, clamp_moment=1e-61, energy=1e-123, max_strain=2e-63) for p in given.poses)
+    )
+    for quantity in ("clamp_moment", "energy", "max_strain"):
+        assert not np.any(tiny.curve(quantity).axes[0].lines[0].get_ydata())
+    assert "e-" not in str(tiny) and "1e-61" in tiny.curve_csv()
+
+
+@pytest.mark.parametrize(("strain", "unit"), [(0.02, "%"), (2e-6, "10\u207b\u2076"), (3e-9, "10\u207b\u00b9\u00b2")])
+def test_small_strains_have_a_unit_of_their_own_and_no_power_beside_the_bar(strain: float, unit: str) -> None:
+    figure = motion([strain * 2 * LENGTH / THICKNESS]).filmstrip()
+    (bar,) = (ax for ax in figure.axes if "strain" in ax.get_xlabel())
+    assert bar.get_xlabel().endswith(f"({unit})")
+    figure.canvas.draw()
+    assert not bar.xaxis.get_offset_text().get_text()
 
 
 def test_an_axis_about_which_the_object_is_not_symmetric_is_refused() -> None:

@@ -22,12 +22,15 @@ from gripper.plot.load import draw_load
 from gripper.plot.load import handle as load_handle
 from gripper.plot.sketch import Array, Arrow, Box, Sketch
 from gripper.plot.style import FORCE, INK, JAW, OBJECT, STRAIN
-from gripper.plot.units import Unit, force_unit, labelled, length_unit
+from gripper.plot.units import Unit, force_unit, labelled, length_unit, strain_unit
 from gripper.result import Shape
+from gripper.results.nothing import PART
 
-_LARGEST_ARROW = (0.4, 0.16)
+_LARGEST_ARROW = (0.4, 0.15)
 """Length of the largest force's arrow, as a part of the finger's: about, so that the scale is round. Arrows of two
 fingers come from both sides of the object, and shorter ones keep apart."""
+_ROUND, _SCALES = (1.0, 2.0, 5.0, 10.0), (1.0, 1.5, 2.0, 3.0, 5.0, 10.0)
+"""What a figure's numbers are rounded to, and its arrows' scale, but for powers of ten."""
 _SHADES = 3
 """Shades between two stations of a shape."""
 _INK: dict[str, Any] = {"edgecolor": INK, "linewidth": 0.8}
@@ -41,7 +44,8 @@ class Key:
     force: Unit
     largest: float
     arrow: float
-    strain: Normalize
+    strain: Unit
+    shades: Normalize
     jaw: bool
     sticks: bool
     loads: bool
@@ -55,12 +59,14 @@ class Key:
         arrows = [arrow for each in sketches for arrow in each.arrows]
         largest = max((math.hypot(*arrow.force) for arrow in arrows), default=0.0)
         strain = max(float(each.shape.strain.max()) for each in sketches)
+        strain = strain if strain > PART else 0.0
         return cls(
             length=length_unit(size),
             force=force_unit(largest),
             largest=largest,
-            arrow=_round(part * size / largest) if largest else 0.0,
-            strain=Normalize(0.0, 100 * strain or 1.0),
+            arrow=_round(part * size / largest, _SCALES) if largest else 0.0,
+            strain=strain_unit(strain),
+            shades=Normalize(0.0, strain_unit(strain).factor * strain or 1.0),
             jaw=any(each.shape.jaw is not None for each in sketches),
             sticks=any(arrow.sticks for arrow in arrows),
             loads=any(each.pulls for each in sketches),
@@ -87,7 +93,7 @@ class Key:
 
     def colours(self) -> ScalarMappable:
         """Give the colours of strain, for a bar."""
-        return ScalarMappable(self.strain, STRAIN)
+        return ScalarMappable(self.shades, STRAIN)
 
 
 def draw(ax: Axes, drawn: Sketch, key: Key, level: int = 0) -> list[Artist]:
@@ -128,8 +134,8 @@ def _draw_strain(ax: Axes, shape: Shape, key: Key, above: float) -> Artist:
     stations = np.arange(len(lower))
     lower, upper = (np.stack([np.interp(fine, stations, x) for x in face.T], axis=1) for face in (lower, upper))
     sections = np.stack([lower[:-1], lower[1:], upper[1:], upper[:-1]], axis=1)
-    strain = 100 * np.interp((fine[1:] + fine[:-1]) / 2, stations, shape.strain)
-    body = PolyCollection(list(sections), array=strain, cmap=STRAIN, norm=key.strain, antialiased=False, zorder=above)
+    strain = key.strain.factor * np.interp((fine[1:] + fine[:-1]) / 2, stations, shape.strain)
+    body = PolyCollection(list(sections), array=strain, cmap=STRAIN, norm=key.shades, antialiased=False, zorder=above)
     ax.add_collection(body, autolim=False)
     return body
 
@@ -166,7 +172,7 @@ def frame(ax: Axes, window: Box, key: Key, *, ticks: int = 5) -> None:
     ax.set_ylabel(labelled("y", key.length))
 
 
-def _round(value: float) -> float:
-    """Round to 1, 2 or 5 times a power of ten."""
+def _round(value: float, digits: tuple[float, ...] = _ROUND) -> float:
+    """Round to one of these digits times a power of ten."""
     decade = 10.0 ** math.floor(math.log10(value))
-    return decade * min((1.0, 2.0, 5.0, 10.0), key=lambda digit: abs(digit - value / decade))
+    return decade * min(digits, key=lambda digit: abs(digit - value / decade))

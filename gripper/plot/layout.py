@@ -11,6 +11,7 @@ from matplotlib.text import Text
 
 from gripper.plot.draw import Key
 from gripper.plot.style import wrapped
+from gripper.plot.units import labelled
 
 _MARGIN, _GAP = 0.06, 0.1
 """Free room around the figure and between its parts, in inches."""
@@ -63,7 +64,7 @@ class Legend:
         self.width, self.stacked = width, width < 2.1 * KEY_WIDTH
         self.bar, self.marks = figure.add_axes((0, 0, 1, 0.1)), figure.add_axes((0, 0, 1, 0.1))
         figure.colorbar(key.colours(), cax=self.bar, orientation="horizontal")
-        self.bar.set_xlabel("bending strain of the faces (%)")
+        self.bar.set_xlabel(labelled("bending strain of the faces", key.strain))
         self.marks.axis("off")
         self.legend = self.marks.legend(handles=entries, loc="center", ncols=max(1, (len(entries) + 1) // 2))
         if self.stacked or self.legend.get_window_extent().width > _MARKS * width * figure.dpi:

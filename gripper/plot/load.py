@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,14 +13,16 @@ from matplotlib.patches import FancyArrowPatch
 from matplotlib.patheffects import withStroke
 
 from gripper.plot.style import SECOND
-from gripper.results.pose_result import Applied
+from gripper.result import Result
+from gripper.results.nothing import least
 
 Array = np.ndarray[tuple[int, ...], np.dtype[np.float64]]
 
 LONG = 0.12
 """Of the finger's length: a force's arrow; a moment's has a third of it as its radius."""
 _BOW = 0.9
-_MOMENT = 1e-6  # of a moment over the finger's length: a force this small is none
+_BESIDE = 1e-6  # of a moment over the finger's length: a force this small is none
+_NONE = 1e-12  # of the largest load of all poses: one this small is none
 
 
 class Pull(NamedTuple):
@@ -30,16 +33,21 @@ class Pull(NamedTuple):
     turn: float
 
 
-def pulls(applied: tuple[Applied, ...], size: float) -> list[Pull]:
-    """What is drawn of a pose's loads, on a finger of this size (m); nothing of those that are 0."""
+def pulls(result: Result, i: int, size: float) -> list[Pull]:
+    """What is drawn of the loads of pose i, on a finger of this size (m).
+
+    Nothing of those that are nothing, to the finger or beside the motion's largest: 10 sin(pi) N is round-off.
+    """
+    every = [max(math.hypot(*each.force), abs(each.moment) / size) for pose in result.poses for each in pose.loads]
+    none = max(least(result.scene).force, _NONE * max(every, default=0.0))
     out = []
-    for each in applied:
-        force = np.array(each.force)
+    for each in result.poses[i].loads:
+        force, turn = np.array(each.force), each.moment / size
         strength = float(np.hypot(*force))
-        if strength > _MOMENT * abs(each.moment) / size:
+        if strength > max(none, _BESIDE * abs(turn)):
             out.append(Pull(np.array(each.point), force / strength, 0.0))
-        elif each.moment:
-            out.append(Pull(np.array(each.point), np.zeros(2), float(np.sign(each.moment))))
+        elif abs(turn) > none:
+            out.append(Pull(np.array(each.point), np.zeros(2), float(np.sign(turn))))
     return out
 
 

@@ -5,21 +5,24 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gripper.plot.units import Unit, force_unit, labelled, length_unit, parameter_unit
 from gripper.result import Result
+from gripper.results.nothing import least
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """What can be drawn: its name on the axis, the names of its components, and its unit for the largest value."""
+    """What can be drawn: its name on the axis, its kind, its unit for the largest value, its components' names."""
 
     name: str
+    kind: Literal["force", "moment", "energy", "length", "ratio"]
     unit: Callable[[float], Unit]
     components: tuple[str, ...] = ("",)
 
@@ -39,16 +42,18 @@ def _moment(largest: float) -> Unit:
 _DRIVING = {"deg": ("driving moment", Unit("N m", 1.0)), "": ("driving work", Unit("J", 1.0))}
 """Work to put in per unit of a parameter that is no length: its name and unit."""
 QUANTITIES = {
-    "force_on_object": Quantity("force on the object", force_unit, ("along x", "along y")),
-    "force_on_object_finger_frame": Quantity("force on the object, finger frame", force_unit, ("along x", "along y")),
-    "moment_on_object": Quantity("moment on the object", _moment),
-    "motion_force": Quantity("driving force", force_unit),
-    "clamp_moment": Quantity("clamp moment", _moment),
-    "energy": Quantity("strain energy", _energy),
-    "tip": Quantity("tip", length_unit, ("x", "y")),
-    "tip_rotation": Quantity("rotation of the tip", _fixed("deg", 180 / np.pi)),
-    "max_strain": Quantity("largest strain", _fixed("%", 100.0)),
-    "min_gap": Quantity("smallest gap", length_unit),
+    "force_on_object": Quantity("force on the object", "force", force_unit, ("along x", "along y")),
+    "force_on_object_finger_frame": Quantity(
+        "force on the object, finger frame", "force", force_unit, ("along x", "along y")
+    ),
+    "moment_on_object": Quantity("moment on the object", "moment", _moment),
+    "motion_force": Quantity("driving force", "force", force_unit),
+    "clamp_moment": Quantity("clamp moment", "moment", _moment),
+    "energy": Quantity("strain energy", "energy", _energy),
+    "tip": Quantity("tip", "length", length_unit, ("x", "y")),
+    "tip_rotation": Quantity("rotation of the tip", "ratio", _fixed("deg", 180 / np.pi)),
+    "max_strain": Quantity("largest strain", "ratio", _fixed("%", 100.0)),
+    "min_gap": Quantity("smallest gap", "length", length_unit),
 }
 """What :func:`curve` draws, by its name in a result."""
 
@@ -145,7 +150,9 @@ def gather(results: Sequence[Result], quantity: str) -> tuple[Scales, list[Serie
 
 
 def _values(result: Result, quantity: str, components: int) -> Array:
-    """Give the number at every pose, (n, components); NaN where there is none."""
+    """Give the number at every pose, (n, components); NaN where there is none, 0 for next to nothing."""
     none = (np.nan,) * components
     values = [getattr(pose, quantity) for pose in result.poses]
-    return np.array([none if value is None else np.atleast_1d(value) for value in values], dtype=float)
+    found = np.array([none if value is None else np.atleast_1d(value) for value in values], dtype=float)
+    small = np.abs(found) < getattr(least(result.scene), QUANTITIES[quantity].kind)
+    return np.where(small, 0.0, found)

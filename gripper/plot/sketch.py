@@ -100,7 +100,7 @@ def sketch(result: Result, i: int) -> Sketch:
     bounded = bool(np.isfinite(target.box).all())
     inside = None if bounded and len(own) == 1 else _inside(target, target.box if bounded else box, shape)
     size = float(np.linalg.norm(np.diff(shape.axis, axis=0), axis=1).sum())
-    return Sketch(answer, shape, outline, bounded, inside, _arrows(answer, shape), pulls(answer.loads, size))
+    return Sketch(answer, shape, outline, bounded, inside, _arrows(answer, shape), pulls(result, i, size))
 
 
 def fingers(result: Result, i: int, mirror: Axis | None = None) -> list[Sketch]:

@@ -32,6 +32,17 @@ def force_unit(largest: float) -> Unit:
     return Unit("N", 1.0) if largest >= 0.1 or largest == 0 else Unit("mN", 1e3)
 
 
+def strain_unit(largest: float) -> Unit:
+    """Choose the unit for strains up to this one."""
+    if largest >= 1e-5 or largest == 0:
+        return Unit("%", 100.0)
+    return (
+        Unit("10\N{SUPERSCRIPT MINUS}\N{SUPERSCRIPT SIX}", 1e6)
+        if largest >= 1e-8
+        else Unit("10\N{SUPERSCRIPT MINUS}\N{SUPERSCRIPT ONE}\N{SUPERSCRIPT TWO}", 1e12)
+    )
+
+
 def parameter_unit(scene: Scene) -> Unit:
     """Tell the unit of a motion's parameter: where a pose's x or y is the parameter itself it is a length.
 

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from gripper.friction import Coefficients, Friction
-from gripper.pose import placed
+from gripper.results.nothing import Least, least
 
 if TYPE_CHECKING:
     from gripper.result import Checks, Contact, PoseResult, Result
@@ -27,8 +27,6 @@ _HEADLINES = (
     *("strain", "strain_margin", "clearance", "force_on_object"),
 )
 """The numbers of a summary that are printed with a motion."""
-_NO_GAP = 1e-9
-"""Of the finger's length: a smaller gap is printed as 0."""
 _HEADER = ("pose", "status", "Fx (N)", "Fy (N)", "clamp (N m)", "energy (J)", "strain", "gap (m)", "contacts")
 
 
@@ -50,22 +48,22 @@ def _csv_row(i: int, pose: PoseResult) -> list[Any]:
     return [i, pose.parameter, pose.status, *forces, *tip, pose.tip_rotation, pose.max_strain, pose.min_gap, contacts]
 
 
-def _number(value: float | None) -> str:
-    return "" if value is None else f"{value:.4g}"
+def _number(value: float | None, none: float = 0.0) -> str:
+    """Write it in four digits; a number no larger than ``none`` is 0."""
+    return "" if value is None else f"{value if abs(value) > none else 0.0:.4g}"
 
 
 def _where(contact: Contact) -> str:
     return f"{contact.on} {contact.s:.4g}"
 
 
-def _cells(i: int, pose: PoseResult, parameter: str | None, length: float) -> list[str]:
-    force, gap = pose.force_on_object or (None, None), pose.min_gap
-    if gap is not None and abs(gap) < _NO_GAP * length:
-        gap = 0.0
-    numbers = (*force, pose.clamp_moment, pose.energy, pose.max_strain, gap)
+def _cells(i: int, pose: PoseResult, parameter: str | None, none: Least) -> list[str]:
+    force = pose.force_on_object or (None, None)
+    numbers = (*force, pose.clamp_moment, pose.energy, pose.max_strain, pose.min_gap)
+    limits = (none.force, none.force, none.moment, none.energy, none.ratio, none.length)
     place = [_number(pose.parameter and round(pose.parameter, 12) + 0.0)] if parameter else []
     contacts = ", ".join(_where(contact) for contact in pose.contacts)
-    return [str(i), *place, pose.status, *(_number(number) for number in numbers), contacts]
+    return [str(i), *place, pose.status, *map(_number, numbers, limits), contacts]
 
 
 def _header(result: Result) -> list[str]:
@@ -88,9 +86,9 @@ def _telling(poses: Sequence[PoseResult]) -> list[int]:
 
 def _rows(result: Result) -> list[list[str]]:
     """Build the table's rows; of many poses, a last one of a single cell says how many are shown."""
-    poses, length = result.poses, placed(result.scene.finger).body.length
+    poses, none = result.poses, least(result.scene)
     shown = list(range(len(poses))) if len(poses) <= MOST_ROWS else _telling(poses)
-    rows = [_cells(i, poses[i], result.parameter, length) for i in shown]
+    rows = [_cells(i, poses[i], result.parameter, none) for i in shown]
     return rows if len(shown) == len(poses) else [*rows, [f"({len(shown)} of {len(poses)} poses)"]]
 
 
@@ -181,7 +179,7 @@ def _others(result: Result) -> list[str]:
 def _model(result: Result) -> list[str]:
     model = result.model
     changes = [pose.error.next_theory for pose in result.poses if pose.error.next_theory is not None]
-    chosen = f" (the next one would change forces by up to {100 * max(changes):.2g} %)" if changes else ""
+    chosen = f" (the next one would change forces by up to {100 * round(max(changes), 12):.2g} %)" if changes else ""
     lines = [f"theory: {model.theory}{chosen}"]
     friction = result.scene.friction
     lines += [f"friction: {_friction(friction)}"] if friction and not friction.absent else []
