@@ -94,8 +94,50 @@ def test_a_torn_row_and_a_damaged_one_are_reckoned_again(tmp_path, cut):
 
 def test_a_folder_of_another_sweep_is_refused(tmp_path):
     gr.sweep(POSE, {"object.radius": (0.2,)}, tmp_path)
-    with pytest.raises(ValueError, match="folder must be new, or hold this very sweep"):
+    with pytest.raises(ValueError, match="folder must be new, or hold this very sweep") as refusal:
         gr.sweep(POSE, {"object.radius": (0.2, 0.3)}, tmp_path)
+    assert str(refusal.value).endswith("where over object.radius is [0.2], now [0.2, 0.3]")
+    wider = dataclasses.replace(POSE, finger=dataclasses.replace(POSE.finger, width=0.2))
+    with pytest.raises(ValueError, match=r"where finger\.width is .*, now 0\.2$"):
+        gr.sweep(wider, {"object.radius": (0.2,)}, tmp_path)
+
+
+def test_what_no_row_depends_on_does_not_part_a_sweep(tmp_path, monkeypatch):
+    first = gr.sweep(POSE, {"object.radius": (0.2,)}, tmp_path / "sweep")
+    calls = []
+    named = dataclasses.replace(POSE, title="another", limits=gr.Limits({"max_strain": 0.1}))
+    swept = replaced(named, {"object.radius": 0.3})  # each row has its own
+    distribution = tmp_path / "stranger-1.0.dist-info"
+    distribution.mkdir()
+    (distribution / "METADATA").write_text("Metadata-Version: 2.1\nName: stranger\nVersion: 1.0\n")
+    (distribution / "entry_points.txt").write_text("[gripper.objects]\naaa = gripper_plugins.objects.circle:Circle\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    again = gr.sweep(swept, {"object.radius": (0.2,)}, tmp_path / "sweep", progress=lambda *done: calls.append(done))
+    assert (again, calls) == (first, [])
+
+
+def test_a_sweep_of_another_class_or_version_or_none_is_refused_by_it(tmp_path):
+    gr.sweep(POSE, {"object.radius": (0.2,)}, tmp_path)
+    path = tmp_path / "sweep.json"
+    whole = path.read_text()
+    for one, other, said in (
+        ('"gripper": "', '"gripper": "0.0.', r"where gripper is .*, now"),
+        ("circle:Circle", "circle:Round", r"where classes is .*, now"),
+        ("{", "[", "where what was swept cannot be read"),
+    ):
+        path.write_text(whole.replace(one, other))
+        with pytest.raises(ValueError, match=said):
+            gr.sweep(POSE, {"object.radius": (0.2,)}, tmp_path)
+
+
+def test_axes_are_in_the_units_that_were_written_or_mm_and_deg():
+    written = Plan([spread("object.radius=20cm:25cm:2"), spread("object.pose.angle=0,0.1")])
+    axes = gr.sweep(POSE, written).plot("strain").axes[0]
+    assert axes.get_xlabel() == "object.radius (cm)"
+    assert list(axes.lines[0].get_xdata()) == [20, 25]
+    assert [line.get_label() for line in axes.lines] == ["object.pose.angle = 0 deg", "object.pose.angle = 5.72958 deg"]
+    plain = gr.sweep(POSE, {"object.radius": (0.2, 0.25)}).plot("strain").axes[0]
+    assert (plain.get_xlabel(), list(plain.lines[0].get_xdata())) == ("object.radius (mm)", [200, 250])
 
 
 def test_a_sweep_that_is_killed_goes_on_where_it_was(tmp_path):
@@ -131,9 +173,10 @@ def rows(folder):
     ],
 )
 def test_values_on_the_command_line_are_spread_or_listed_with_units(text, values):
-    key, found = spread(text)
+    key, found, unit = spread(text)
     assert key == text.split("=")[0]
     assert found == pytest.approx(values)
+    assert unit == {"finger.length": "mm", "finger.pose.angle": "deg"}.get(key, "")
 
 
 @pytest.mark.parametrize("text", ["finger.length", "a=1:2", "a=1:2:1", "a=1:2:x", "a=1 mile", "a=", "=1,2", "a=1,,2"])
@@ -151,20 +194,20 @@ def test_a_plan_varies_something(values):
 def test_figures_show_the_numbers_and_mark_what_has_none():
     curve = gr.sweep(POSE, {"object.radius": (0.25, 0.2, -1.0)})
     line, missing = curve.plot("strain").axes[0].lines
-    assert list(line.get_xdata()) == [-1.0, 0.2, 0.25]
+    assert list(line.get_xdata()) == [-1000, 200, 250]
     assert list(line.get_ydata())[1:] == [curve.rows[1].summary.strain, curve.rows[0].summary.strain]
-    assert list(missing.get_xdata()) == [-1.0]
+    assert list(missing.get_xdata()) == [-1000]
     table = gr.sweep(POSE, OVER)
     thick, thin, missing = table.plot("force_on_object").axes[0].lines
     assert list(thick.get_ydata()) == [table.rows[i].summary.force_on_object for i in (0, 4, 2)]
     assert np.isnan(thin.get_ydata()).all() and list(missing.get_xdata()) == list(thin.get_xdata())
-    assert thick.get_label() == "finger.thickness = 0.06"
+    assert thick.get_label() == "finger.thickness = 60 mm"
     wide = gr.sweep(POSE, {"finger.length": (1.0,), "object.radius": (0.25, 0.2, -1.0, 0.3, 0.35)})
     axes = wide.plot("strain").axes[0]
     cells = axes.collections[0].get_array()
     assert list(cells.mask[:, 0]) == [True] + [False] * 4
     assert cells[1, 0] == wide.rows[1].summary.strain
-    assert [text.get_text() for text in axes.get_yticklabels()] == ["-1", "0.2", "0.25", "0.3", "0.35"]
+    assert [text.get_text() for text in axes.get_yticklabels()] == ["-1000", "200", "250", "300", "350"]
     three = gr.sweep(POSE, {"object.radius": (0.25,), "finger.length": (1.0,), "object.pose.x": (0.7,)})
     with pytest.raises(ValueError, match="one key or two"):
         three.plot("strain")
@@ -179,7 +222,7 @@ def test_the_command_writes_table_and_figures_and_tells_what_failed(tmp_path):
     assert (outcome.exit_code, outcome.stderr) == (1, "")
     lines = outcome.stdout.splitlines()
     assert lines[0] == "1 of 2 variants have an answer"
-    assert lines[1] == "  finger.thickness = -0.001: thickness must be a positive number, in m; got -0.001"
+    assert lines[1] == "  finger.thickness = -1 mm: thickness must be a positive number, in m; got -0.001"
     assert lines[2:] == [str(tmp_path / "out" / name) for name in ("sweep.csv", "strain.png", "force_on_object.png")]
     assert all((tmp_path / "out" / line.rsplit("/", 1)[1]).stat().st_size > 0 for line in lines[2:])
 
@@ -190,6 +233,10 @@ def test_the_command_writes_table_and_figures_and_tells_what_failed(tmp_path):
         (["--over", "finger.thicknes=1:2:2"], "unknown number 'finger.thicknes'; known: "),
         (["--over", "finger.thickness=1"], ""),
         (["--over", "finger.thickness=1:2:2", "--plot", "force"], "unknown quantity 'force'; known: "),
+        (
+            ["--over", "finger.thickness=1N:2N:3"],
+            "values of finger.thickness must be a length, in m; got",
+        ),
         (["--over", "finger.thickness"], "over must be key=start:stop:n or key=a,b,c"),
     ],
 )

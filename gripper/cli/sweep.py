@@ -52,13 +52,14 @@ def sweep(
 
 
 def _sweep(scene_file: Path, over: list[str], folder: Path, plot: list[str] | None) -> None:
+    from gripper.parameters import kind
     from gripper.scenefile import SceneFileError, read
     from gripper.sweep import Plan, spread
     from gripper.sweep import sweep as run
 
     try:
         scene = read(scene_file)
-        plan = Plan(tuple(spread(text) for text in over))
+        plan = Plan([spread(text, lambda key: kind(scene, key)) for text in over])
         names = _names(plan, plot)
         with writing(folder), progress("variants") as report:
             table = run(scene, plan, folder, progress=report)
@@ -105,7 +106,8 @@ def _say(table: Sweep, folder: Path, figures: list[Path]) -> None:
     failed = table.failed
     typer.echo(f"{len(table.rows) - len(failed)} of {len(table.rows)} variants have an answer")
     for row in failed[:_SHOWN]:
-        where = ", ".join(f"{key} = {value:.6g}" for key, value in zip(table.plan.keys, row.values, strict=True))
+        values = (table.plan.shown(i, value) for i, value in enumerate(row.values))
+        where = ", ".join(f"{key} = {value}" for key, value in zip(table.plan.keys, values, strict=True))
         typer.echo(f"  {where}: {row.reason}")
     if len(failed) > _SHOWN:
         typer.echo(f"  ... and {len(failed) - _SHOWN} more")

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from gripper.expression.vocabulary import UNITS
 from gripper.plot.style import COLUMN, FORCE, INCH, INK, STRAIN, Picture, styled
 from gripper.results.summary import QUANTITIES
 
@@ -48,11 +49,23 @@ def _values(sweep: Sweep, quantity: str) -> np.ndarray:
     return np.array(numbers, dtype=float).reshape([len(values) for _, values in sweep.plan.over])
 
 
+def _places(sweep: Sweep, i: int) -> np.ndarray:
+    """The values of the i-th key, in its unit."""
+    unit = sweep.plan.units[i]
+    return np.array(sweep.plan.over[i][1]) / (UNITS[unit] if unit else 1.0)
+
+
+def _label(sweep: Sweep, i: int) -> str:
+    """The name of the i-th axis: its key and unit."""
+    unit = sweep.plan.units[i].replace("um", "\N{MICRO SIGN}m")
+    return f"{sweep.plan.keys[i]}{unit and f' ({unit})'}"
+
+
 def _curves(figure: Figure, axes: Axes, sweep: Sweep, quantity: str, label: str) -> None:
-    (key, places), *second = sweep.plan.over
+    (_, places), *second = sweep.plan.over
     order = np.argsort(places)
-    x, values = np.array(places)[order], _values(sweep, quantity)[order].reshape(len(places), -1)
-    names = [f"{second_key} = {value:.4g}" for second_key, others in second for value in others]
+    x, values = _places(sweep, 0)[order], _values(sweep, quantity)[order].reshape(len(places), -1)
+    names = [f"{other} = {sweep.plan.shown(1, value)}" for other, others in second for value in others]
     for y, name in zip(values.T, names or [""], strict=True):
         axes.plot(x, y, marker="o", label=name or None)
     rows, columns = np.nonzero(np.isnan(values))
@@ -61,17 +74,17 @@ def _curves(figure: Figure, axes: Axes, sweep: Sweep, quantity: str, label: str)
         axes.plot(x[rows], bottom, "x", color=INK, transform=axes.get_xaxis_transform(), label="no answer")
     if rows.size or names:
         figure.legend(loc="outside lower center", ncols=2)
-    axes.set(xlabel=f"{key} (SI)", ylabel=label)
+    axes.set(xlabel=_label(sweep, 0), ylabel=label)
     axes.margins(x=0.02)
     axes.locator_params(axis="x", nbins=4)  # more would run into one another: 0.00225
 
 
 def _map(figure: Figure, axes: Axes, sweep: Sweep, quantity: str, label: str) -> None:
     """Colours where both keys are even or not: each variant has a cell around it."""
-    (x_key, x), (y_key, y) = sweep.plan.over
+    x, y = _places(sweep, 0), _places(sweep, 1)
     columns, rows = np.argsort(x), np.argsort(y)
     values = _values(sweep, quantity)[np.ix_(columns, rows)].T
-    x_places, y_places = np.array(x)[columns], np.array(y)[rows]
+    x_places, y_places = x[columns], y[rows]
     cells = axes.pcolormesh(_edges(x_places), _edges(y_places), np.ma.masked_invalid(values), cmap=STRAIN)
     figure.colorbar(cells, ax=axes, label=label)
     if min(values.shape) > 2 and np.isfinite(values).all() and np.ptp(values) > 0:
@@ -79,7 +92,7 @@ def _map(figure: Figure, axes: Axes, sweep: Sweep, quantity: str, label: str) ->
         axes.clabel(lines, fontsize=5.5)
     missing = np.argwhere(np.isnan(values))
     axes.plot(x_places[missing[:, 1]], y_places[missing[:, 0]], "x", color=FORCE, linestyle="none")
-    axes.set(xlabel=f"{x_key} (SI)", ylabel=f"{y_key} (SI)")
+    axes.set(xlabel=_label(sweep, 0), ylabel=_label(sweep, 1))
     for axis, places in ((axes.xaxis, x_places), (axes.yaxis, y_places)):
         if places.size <= _TICKS:
             axis.set_ticks(places, [f"{place:.4g}" for place in places])

@@ -11,7 +11,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from gripper.parameters import number
+from gripper.parameters import kind
 from gripper.results.summary import Summary
 from gripper.scene import Scene
 from gripper.sweep.plan import Plan
@@ -104,8 +104,7 @@ def sweep(
         The executor given has broken down; the rows done are kept.
     """
     plan = over if isinstance(over, Plan) else Plan(over)
-    for key in plan.keys:
-        number(scene, key)
+    plan = plan.shown_for(lambda key: kind(scene, key))
     with ExitStack() as stack:
         store = stack.enter_context(Store(Path(folder), scene, plan)) if folder is not None else None
         rows = dict(store.rows) if store else {}

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self, TextIO
 
-from gripper.describe import describe
 from gripper.scene import Scene
+from gripper.sweep.about import about, difference
 from gripper.sweep.plan import Plan
 from gripper.sweep.rows import Row, header, read, written
 
@@ -38,9 +38,7 @@ class Store:
     def __init__(self, folder: Path, scene: Scene, plan: Plan) -> None:
         self.folder, self.plan = folder, plan
         folder.mkdir(parents=True, exist_ok=True)
-        about: dict[str, Any] = {"over": {key: list(values) for key, values in plan.over}, "scene": describe(scene)}
-        text = json.dumps(about, indent=1, ensure_ascii=False) + "\n"
-        self._claim(text)
+        self._claim(about(scene, plan))
         parameter = scene.motion.parameter if scene.motion else None
         self.rows = {row.variant: row for row in self._kept(parameter)}
         self._replace(TABLE, self._table(self.rows.values()))
@@ -64,14 +62,15 @@ class Store:
     def __exit__(self, kind: type[BaseException] | None, value: BaseException | None, at: TracebackType | None) -> None:
         self.close()
 
-    def _claim(self, text: str) -> None:
-        """Write what is swept, or see that the folder's sweep is this one."""
+    def _claim(self, swept: Mapping[str, Any]) -> None:
+        """Write what is swept, having seen that the folder's sweep, if there is one, is of the same rows."""
         path = self.folder / PLAN
         if path.exists():
-            if path.read_text(encoding="utf-8") != text:
-                raise ValueError(f"folder must be new, or hold this very sweep, to go on with it; got {self.folder}")
-            return
-        self._replace(PLAN, text)
+            other = difference(path.read_text(encoding="utf-8"), swept)
+            if other:
+                rule = "folder must be new, or hold this very sweep, to go on with it"
+                raise ValueError(f"{rule}; got {self.folder}, where {other}")
+        self._replace(PLAN, json.dumps(swept, indent=1, ensure_ascii=False) + "\n")
 
     def _kept(self, parameter: str | None) -> Iterable[Row]:
         path = self.folder / TABLE
