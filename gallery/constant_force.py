@@ -42,5 +42,3 @@ def main(folder: str = "out/constant_force") -> gr.Optimum:
 
 if __name__ == "__main__":
     print(main())
-    others = gr.optimize(scene, FREE, flatten="force_on_object", starts=1, gradients="differences").evaluations
-    print(f"{others} designs solved with SciPy's differences instead")

@@ -43,5 +43,3 @@ def main(folder: str = "out/optimal_hook") -> gr.Optimum:
 
 if __name__ == "__main__":
     print(main())
-    others = gr.optimize(scene, FREE, minimize="insertion_force", starts=1, gradients="differences").evaluations
-    print(f"{others} designs solved with SciPy's differences instead")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Mapping
 
 from gripper.fields import Finite, check_fields
@@ -11,6 +12,7 @@ from gripper.results.summary import QUANTITIES, Summary
 
 LIMITS = tuple(f"{side}_{name}" for name in QUANTITIES for side in ("max", "min"))
 """Names of all limits: max_ or min_ before a quantity of the summary."""
+_NOTHING = 0.01  # of what is asked for: less of it counts as this
 
 
 @dataclasses.dataclass(frozen=True)
@@ -67,6 +69,22 @@ class Verdict:
     def quantity(self) -> str:
         """Name of the quantity."""
         return self.limit[4:]
+
+    @property
+    def excess(self) -> float:
+        """By what share the value must still fall or rise; 0 where the limit is kept, infinite where it is not known.
+
+        Twice what is allowed and half of what is asked for are both 1; of a margin it is the strain that must fall.
+        """
+        if self.value is None:
+            return 0.0 if self.passed else math.inf
+        largest, value, bound = self.limit.startswith("max_"), self.value, self.bound
+        if self.quantity.endswith("margin"):
+            largest, value, bound = not largest, 1 - value, 1 - bound
+        if bound <= 0:
+            return max((value - bound) * (1 if largest else -1), 0.0) / (abs(bound) or 1.0)
+        share = value / bound
+        return max(share - 1 if largest else 1 / max(share, _NOTHING) - 1, 0.0)
 
 
 def judged(limits: Limits, summary: Summary) -> tuple[Verdict, ...]:

@@ -36,6 +36,7 @@ OTHERS = (
     "robustness",
     "optimal_hook",
     "constant_force",
+    "designs_needed",
 )
 SCRIPTS = [
     p for p in sorted((ROOT / "gallery").glob("*.py")) if p.stem not in OTHERS

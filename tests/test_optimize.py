@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import signal
 
 import numpy as np
 import pytest
@@ -10,9 +11,13 @@ import sympy
 from typer.testing import CliRunner
 
 import gripper as gr
-from gallery import optimal_hook
+from gallery import constant_force, optimal_hook
 from gripper.cli import app
+from gripper.limits import Limits
+from gripper.optimize import Interrupted
+from gripper.optimize.evaluation import Evaluator
 from gripper.optimize.goal import Goal
+from gripper.optimize.scale import Scale
 from gripper.parameters import numbers, replaced
 from gripper.sensitivity.curves import curve
 from gripper_plugins.fingers.uniform import Uniform
@@ -31,7 +36,7 @@ def test_the_softest_finger_within_a_retention_has_just_that_retention():
     assert best.result.summary().retention_force == pytest.approx(2.0, rel=1e-3)
     assert best.values["finger.thickness"] == pytest.approx(softer, rel=0.02)  # the face moves by w / 2 too
     assert best.objective < best.objective_before
-    assert best.evaluations == len(best.history) < 15
+    assert best.evaluations == len(best.history) < 8
 
 
 def test_the_least_strain_of_a_beam_on_a_pin_is_that_of_the_thinnest_within_a_force():
@@ -55,6 +60,60 @@ def test_a_flat_force_is_found_where_two_poses_can_have_the_same():
     values = curve(best.result, "force_on_object")
     assert best.objective == pytest.approx((values.max() - values.min()) / values.mean())
     assert best.objective < 0.85 * best.objective_before
+
+
+def test_limits_that_cannot_be_kept_end_with_a_verdict_and_the_design_that_violates_them_least():
+    """Both forces go with the same factor where only the thickness is free: the least violation is their middle."""
+    limits = {"max_insertion_force": 1.0, "min_retention_force": 4.0}
+    best = gr.optimize(SNAP, {"finger.thickness": (0.002, 0.005)}, minimize="strain", limits=limits, starts=1)
+    assert not best.kept
+    over, under = best.verdicts
+    assert over.excess == pytest.approx(under.excess, rel=1e-3)
+    assert over.excess == min(trial.violation for trial in best.history)
+    said = str(best)
+    assert f"max_insertion_force 1: NOT KEPT: {over.value:.5g}, {100 * (over.value - 1):.3g} % too large" in said
+    assert f"min_retention_force 4: NOT KEPT: {under.value:.5g}, {100 * (1 - under.value / 4):.3g} % too small" in said
+    assert "NO DESIGN WAS FOUND THAT KEEPS ALL LIMITS: this one violates them least" in said
+    assert "no design near keeps all limits" in best.message
+
+
+def test_a_search_that_is_interrupted_holds_the_best_design_so_far_and_every_one_tried():
+    def stop(done, best):
+        if done == 3:
+            raise KeyboardInterrupt
+
+    limits = {"min_retention_force": 2.0}
+    with pytest.raises(Interrupted, match="3 designs are solved") as caught:
+        gr.optimize(
+            SNAP, {"finger.thickness": (0.002, 0.005)}, minimize="insertion_force", limits=limits, progress=stop
+        )
+    found = caught.value.optimum
+    assert found.evaluations == 3
+    assert found.kept and found.objective == min(t.objective for t in found.history if t.violation < 1e-4)
+    assert found.result.summary().insertion_force == found.objective
+
+
+def test_gradients_are_those_of_central_differences():
+    free = {"finger.thickness": (0.002, 0.005), "object.pose.y": (-0.012, -0.009)}
+    limits = Limits({"max_strain": 0.01, "min_retention_ratio": 2.0, "max_insertion_force": 1.0})
+    scale, x, found = Scale.of(free), np.array([0.4, 0.6]), {}
+    for gradients in ("exact", "central"):
+        evaluator = Evaluator(SNAP, scale, Goal("maximize", "retention_force"), limits, gradients)
+        found[gradients], _ = evaluator.at(x)
+        assert len(evaluator.history) == (1 if gradients == "exact" else 5)
+    assert found["exact"].slopes == pytest.approx(found["central"].slopes, rel=1e-3, abs=1e-3)
+    assert found["exact"].slopes.shape == (1 + 8 + 1 + 8, 2)
+    assert (np.abs(found["exact"].slopes).max(axis=0) > 0.1).all()
+
+
+def test_a_free_number_counts_by_ratios_where_it_is_positive_and_by_differences_where_it_is_not():
+    scale = Scale.of({"finger.thickness": (0.001, 0.016), "finger.pose.y": (-0.02, 0.06), "finger.length": (1.0, 1.1)})
+    assert scale.values(np.full(3, 0.5)) == pytest.approx([0.004, 0.02, 1.05])
+    assert scale.place(scale.values(np.array([0.1, 0.9, 0.3]))) == pytest.approx([0.1, 0.9, 0.3])
+    assert scale.place(np.array([1.0, -1.0, 1.2])) == pytest.approx([1.0, 0.0, 1.0])
+    step = 1e-6
+    rates = (scale.values(np.full(3, 0.5 + step)) - scale.values(np.full(3, 0.5 - step))) / (2 * step)
+    assert scale.slopes(np.full(3, 0.5)) == pytest.approx(rates)
 
 
 def test_what_cannot_be_searched_is_refused():
@@ -112,6 +171,21 @@ def test_the_command_writes_the_best_design_and_every_one_that_it_tried(tmp_path
     assert (tmp_path / "out" / "best.toml").read_text().count("[finger.jaw]") == 1
 
 
+def test_an_interrupted_command_writes_the_history_and_the_best_design_so_far(tmp_path):
+    (tmp_path / "hook.toml").write_text(DESIGN.replace("starts = 1", "starts = 1000"))
+    before = signal.signal(signal.SIGPROF, signal.default_int_handler)  # as Ctrl-C, after CPU time instead of a key
+    signal.setitimer(signal.ITIMER_PROF, 2.5)
+    try:
+        ran = CliRunner().invoke(app, ["optimize", str(tmp_path / "hook.toml"), "-o", str(tmp_path / "out")])
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0)
+        signal.signal(signal.SIGPROF, before)
+    assert ran.exit_code == 130, ran.output
+    history = (tmp_path / "out" / "history.csv").read_text().splitlines()
+    assert f"interrupted: {len(history) - 1} designs are solved; the best of them is written" in ran.output
+    assert (tmp_path / "out" / "best.toml").exists() and (tmp_path / "out" / "result.json").exists()
+
+
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
@@ -146,3 +220,12 @@ def test_the_gallerys_hook_is_easier_to_close_and_holds_as_before():
     assert after.retention_force == pytest.approx(2.5, rel=1e-3)
     assert after.retention_ratio > 2
     assert after.strain < 0.015
+
+
+def test_the_gallerys_profile_presses_with_an_almost_constant_force():
+    thicknesses = (0.006, 0.045, 0.022486, 0.045, 0.023365)  # what gallery/constant_force.py finds
+    found = {f"finger.thicknesses[{i}]": value for i, value in enumerate(thicknesses)}
+    found |= {"finger.pose.x": 0.02466, "finger.pose.y": 0.010545}
+    goal = Goal("flatten", "force_on_object")
+    assert goal.value(gr.trace(constant_force.scene)) == pytest.approx(0.237, abs=1e-3)
+    assert goal.value(gr.trace(replaced(constant_force.scene, found))) == pytest.approx(0.0302, abs=3e-4)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from gripper.cli.console import BAD_INPUT, Output, interruptible, output_folder, progress, stop, writing
+from gripper.cli.console import BAD_INPUT, INTERRUPTED, Output, interruptible, output_folder, progress, stop, writing
 
 if TYPE_CHECKING:
     from gripper.optimize import Optimum
@@ -28,6 +28,9 @@ def optimize(
     [optimize] gives minimize, maximize or flatten = "a quantity of the summary", starts and seed; [optimize.free] the
     least and largest value of each free number: "finger.thickness" = ["2 mm", "5 mm"].
 
+    Where no design keeps all limits, the one that violates them least is written. Ctrl-C keeps the best design so far
+    and the history.
+
     Exit status: 0; 1 when no design that keeps all limits was found; 2 when the design is bad; 130 when interrupted.
     """
     folder = output or Path("out", design_file.stem)
@@ -42,7 +45,7 @@ def _optimize(design_file: Path, folder: Path) -> None:
     try:
         task = read_design(design_file)
         with output_folder(folder, FILES):
-            best = _searched(task, design_file)
+            best, interrupted = _as_far_as_it_goes(task, design_file)
             with writing(folder):
                 paths = _write(folder, best)
     except SceneFileError as error:
@@ -50,8 +53,20 @@ def _optimize(design_file: Path, folder: Path) -> None:
     typer.echo(str(best))
     for path in paths:
         typer.echo(path)
+    if interrupted:
+        stop(f"interrupted: {interrupted}; the best of them is written", INTERRUPTED)
     if not best.kept:
         raise typer.Exit(NOT_KEPT)
+
+
+def _as_far_as_it_goes(task: Task, design_file: Path) -> tuple[Optimum, str]:
+    """What was found, and where the search was interrupted."""
+    from gripper.optimize import Interrupted
+
+    try:
+        return _searched(task, design_file), ""
+    except Interrupted as interruption:
+        return interruption.optimum, str(interruption)
 
 
 def _searched(task: Task, design_file: Path) -> Optimum:

@@ -1,10 +1,10 @@
-"""A design solved, with the values and gradients that an optimiser needs of it."""
+"""A design solved, with the rows and gradients that an optimiser needs of it."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import Literal
 
 import numpy as np
 
@@ -12,92 +12,122 @@ from gripper.arrays import Array
 from gripper.limits import Limits, judged
 from gripper.optimize.goal import Goal
 from gripper.optimize.optimum import Trial
+from gripper.optimize.rows import Asked, Rows
+from gripper.optimize.scale import Scale
 from gripper.parameters import replaced
 from gripper.result import Result
 from gripper.scene import Scene
 from gripper.solve import solve
 from gripper.trace import trace
 
-if TYPE_CHECKING:
-    from gripper.sensitivity.curves import Curves
-
-_RECENT = 4
+Gradients = Literal["exact", "forward", "central"]
+Progress = Callable[[int, float | None], None]
+SLACK = 1e-4  # relative: a limit violated by less is kept, to the optimiser's tolerance
+_STEP = 1e-6  # of a free number's range, for differences: peaks are located to 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class Design:
-    """A design, with the curves of its result; none where it has no answer."""
+class Best:
+    """The best design so far."""
 
-    curves: Curves | None
     trial: Trial
+    result: Result
 
 
 class Evaluator:
-    """Solves designs, each once.
+    """Solves designs, and keeps what came of each.
 
     Parameters
     ----------
     scene
         Whose numbers are changed.
-    bounds
-        Of the free numbers, by key, in SI units.
+    scale
+        Of the free numbers.
     goal, limits
         What is wanted.
-    exact
-        Whether its curves have gradients.
+    gradients
+        Where they are from: the sensitivities, or differences between designs, each of which counts.
+    progress
+        Called after each design with their number so far and the best objective.
     """
 
     def __init__(
-        self, scene: Scene, bounds: Mapping[str, tuple[float, float]], goal: Goal, limits: Limits, exact: bool = True
+        self,
+        scene: Scene,
+        scale: Scale,
+        goal: Goal,
+        limits: Limits,
+        gradients: Gradients = "exact",
+        progress: Progress | None = None,
     ) -> None:
         self.scene, self.goal, self.limits = replace(scene, limits=limits, tolerances=None), goal, limits
-        self.keys = tuple(bounds)
-        self.by = self.keys if exact else ()
-        self.low, self.high = np.array(list(bounds.values()), dtype=float).T
+        self.scale, self.gradients, self.progress = scale, gradients, progress
         self.history: list[Trial] = []
+        self.best: Best | None = None
         self.start = 0
-        self._known: dict[bytes, Design] = {}
+        self.asked: Asked | None = None
 
-    @property
-    def span(self) -> Array:
-        """What gradients by free numbers are multiplied by, to be by x."""
-        return (self.high - self.low)[: len(self.by)]
+    def at(self, x: Array) -> tuple[Rows | None, Trial]:
+        """Rows of the design x (n,), each number from 0 to 1 between its bounds; None where it has no answer."""
+        result, trial = self._solved(x)
+        if result is None:
+            return None, trial
+        if self.asked is None:
+            self.asked = Asked(self.goal, self.limits, abs(trial.objective or 0.0) or 1.0)
+        if self.gradients == "exact":
+            return self._rows(result, x, self.scale.keys), trial
+        return self._differenced(self._rows(result, x), x), trial
 
-    def values(self, x: Array) -> dict[str, float]:
-        """Numbers of a design x in [0, 1]."""
-        inside = np.clip(x, 0.0, 1.0)
-        return dict(zip(self.keys, (self.low + (self.high - self.low) * inside).tolist(), strict=True))
+    def _rows(self, result: Result, x: Array, by: tuple[str, ...] = ()) -> Rows:
+        from gripper.sensitivity.curves import curves  # heavy, and only wanted once something is sought
 
-    def at(self, x: Array) -> Design:
-        """The design of free numbers x (n,), each from 0 to 1 between its bounds."""
-        key = np.round(np.clip(x, 0.0, 1.0), 14).tobytes()
-        if key not in self._known:
-            found = self._solved(self.values(x))
-            self.history.append(found.trial)
-            recent = _RECENT + len(self.keys) - len(self.by)  # their results are large
-            kept = list(self._known.items())[1 - recent :]
-            self._known = dict([*kept, (key, found)])
-        return self._known[key]
+        if self.asked is None:
+            raise ValueError("a design must be solved before its rows are asked for; got none")
+        return self.asked.rows(curves(result, by), self.scale.slopes(x)[: len(by)])
 
-    def _solved(self, values: Mapping[str, float]) -> Design:
+    def _differenced(self, here: Rows, x: Array) -> Rows:
+        """The rows with slopes from designs beside; level where one of these has no answer."""
+        slopes = np.zeros((len(here.values), len(x)))
+        for i in range(len(x)):
+            step = np.zeros(len(x))
+            step[i] = _STEP if x[i] < 1 - _STEP else -_STEP
+            sides = [x + step, x - step] if self.gradients == "central" and x[i] >= _STEP else [x + step]
+            results = [self._solved(side)[0] for side in sides]
+            if None not in results:
+                values = [self._rows(result, x).values for result in results if result is not None]
+                base = values[1] if len(values) == 2 else here.values
+                slopes[:, i] = (values[0] - base) / (len(values) * step[i])
+        return replace(here, slopes=slopes)
+
+    def _solved(self, x: Array) -> tuple[Result | None, Trial]:
+        numbers = dict(zip(self.scale.keys, self.scale.values(x).tolist(), strict=True))
+        result, trial = self._tried(numbers)
+        self.history.append(trial)
+        if result is not None and (self.best is None or self._key(trial) < self._key(self.best.trial)):
+            self.best = Best(trial, result)
+        if self.progress is not None:
+            self.progress(len(self.history), self.best.trial.objective if self.best else None)
+        return result, trial
+
+    def _key(self, trial: Trial) -> tuple[float, float]:
+        """What is less for the better design: keeping the limits comes first."""
+        sign = -1.0 if self.goal.sense == "maximize" else 1.0
+        return (trial.violation if trial.violation > SLACK else 0.0, sign * (trial.objective or 0.0))
+
+    def _tried(self, numbers: Mapping[str, float]) -> tuple[Result | None, Trial]:
         try:
-            scene = replaced(self.scene, values)
+            scene = replaced(self.scene, numbers)
         except ValueError as error:  # a rule between numbers, as the sum of two angles
-            return self._without(values, str(error))
+            return None, self._without(numbers, str(error))
         result = trace(scene) if scene.motion else solve(scene)
         objective, over = self.goal.value(result), violation(self.limits, result)
         reason = _reason(result) or (None if np.isfinite(over) else "a limit is on what the result does not have")
         if reason or objective is None:
-            return self._without(values, reason or f"the result has no {self.goal.name}")
-        from gripper.sensitivity.curves import curves  # heavy, and only wanted once something is sought
+            return None, self._without(numbers, reason or f"the result has no {self.goal.name}")
+        return result, Trial(start=self.start, values=numbers, objective=objective, violation=over)
 
-        found = curves(result, self.by)
-        trial = Trial(start=self.start, values=values, objective=objective, violation=over)
-        return Design(found, trial)
-
-    def _without(self, values: Mapping[str, float], reason: str) -> Design:
-        trial = Trial(start=self.start, values=values, objective=None, violation=float("inf"), reason=reason)
-        return Design(None, trial)
+    def _without(self, numbers: Mapping[str, float], reason: str) -> Trial:
+        return Trial(start=self.start, values=numbers, objective=None, violation=float("inf"), reason=reason)
 
 
 def _reason(result: Result) -> str | None:
@@ -109,12 +139,5 @@ def _reason(result: Result) -> str | None:
 
 
 def violation(limits: Limits, result: Result) -> float:
-    """The largest violation of a limit, relative to its bound; 0 where all are kept."""
-    worst = 0.0
-    for verdict in judged(limits, result.summary()):
-        if verdict.value is None:
-            worst = worst if verdict.passed else float("inf")
-            continue
-        over = verdict.value - verdict.bound if verdict.limit.startswith("max_") else verdict.bound - verdict.value
-        worst = max(worst, over / (abs(verdict.bound) or 1.0))
-    return worst
+    """By what share the number that violates its limit most must change; 0 where all are kept."""
+    return max((verdict.excess for verdict in judged(limits, result.summary())), default=0.0)

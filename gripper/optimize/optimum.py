@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from gripper.limits import Verdict
 from gripper.optimize.goal import Goal
 from gripper.result import Result
+from gripper.results.summary import QUANTITIES
 from gripper.scene import Scene
 
 
@@ -26,7 +27,7 @@ class Trial:
     objective
         Of the result; None where it has none.
     violation
-        Largest violation of a limit, relative to its bound; 0 where all are kept.
+        By what share the number that violates its limit most must change; 0 where all are kept.
     reason
         Why it is no answer, or None.
     """
@@ -61,7 +62,7 @@ class Optimum:
     history
         Every design that was solved, in order.
     message
-        How the search ended.
+        How the search from each start ended, a line each.
     """
 
     scene: Scene
@@ -106,16 +107,27 @@ class Optimum:
         for key, value in self.values.items():
             low, high = self.bounds[key]
             lines.append(f"{key:32}{old.get(key, 0.0):12.5g}{value:12.5g}   {low:.5g} and {high:.5g}")
-        pairs = [(self.goal.name, self.goal.unit, self.objective_before, self.objective)]
         summaries = self.before.summary(), self.result.summary()
+        named = {self.goal.name: (self.goal.unit, self.objective_before, self.objective)}
         for verdict in self.verdicts:
-            pairs.append((verdict.quantity, "", *(getattr(s, verdict.quantity) for s in summaries)))
-        lines += [f"{name:32}{_shown(a):>12}{_shown(b):>12} {unit}".rstrip() for name, unit, a, b in pairs]
-        lines += [
-            f"{verdict.limit} {verdict.bound:.5g}: {'kept' if verdict.passed else 'NOT KEPT'}"
-            for verdict in self.verdicts
-        ]
-        return "\n".join([*lines, f"{self.evaluations} designs solved; {self.message}"])
+            name = verdict.quantity
+            named.setdefault(name, (QUANTITIES[name], *(getattr(summary, name) for summary in summaries)))
+        lines += [f"{name:32}{_shown(a):>12}{_shown(b):>12} {unit}".rstrip() for name, (unit, a, b) in named.items()]
+        lines += [f"{verdict.limit} {verdict.bound:.5g}: {_judged(verdict)}" for verdict in self.verdicts]
+        if not self.kept:
+            lines.append("NO DESIGN WAS FOUND THAT KEEPS ALL LIMITS: this one violates them least")
+        return "\n".join([*lines, f"{self.evaluations} designs solved", self.message])
+
+
+def _judged(verdict: Verdict) -> str:
+    """Whether a limit is kept, and if not, by how much."""
+    if verdict.passed:
+        return "kept"
+    if verdict.value is None:
+        return f"NOT KEPT: {verdict.reason}"
+    off = abs(verdict.value - verdict.bound) / (abs(verdict.bound) or 1.0)
+    side = "large" if verdict.limit.startswith("max_") else "small"
+    return f"NOT KEPT: {verdict.value:.5g}, {100 * off:.3g} % too {side}"
 
 
 def _shown(value: float | None) -> str:
