@@ -100,7 +100,7 @@ def survey(setting: Setting, obstacle: Obstacle, state: State, *, brief: bool = 
 
     A brief one stops at the first sampling where that finds penetration.
     """
-    seen = _first(setting, state)
+    seen = first_look(setting, state)
     first, arc = seen.pieces, _ArcBounds(setting, state)
     proved, engulfed, worst, nearest = True, False, np.inf, np.inf
     inside: list[tuple[int, float, float]] = []
@@ -153,14 +153,14 @@ class _Ends:
     kappa: Array
 
     @classmethod
-    def of(cls, obstacle: Obstacle, seen: _Seen) -> _Ends:
+    def of(cls, obstacle: Obstacle, seen: Seen) -> _Ends:
         g, normal = obstacle.slope(seen.points)
         values = (seen.points, g, np.maximum(np.abs(normal), _FLAT), dot(normal, seen.tangents), seen.kappa)
         return cls(*(value[seen.ends] for value in values))
 
 
 @dataclass(frozen=True, eq=False)
-class _Seen:
+class Seen:
     """Stretches of outline, and c, c' and kappa at samples (p,): each stretch runs from one to the next."""
 
     pieces: Pieces
@@ -171,7 +171,7 @@ class _Seen:
 
 
 @functools.lru_cache(maxsize=8)  # the straight finger is looked at again and again, with the object elsewhere
-def _first(setting: Setting, state: State) -> _Seen:
+def first_look(setting: Setting, state: State) -> Seen:
     """Both faces segment by segment, every rigid edge."""
     plan = _plan(setting.outline, state.beam.segments)
     s, *values = state.axis.evenly(_PER_SEGMENT + 1)
@@ -182,7 +182,7 @@ def _first(setting: Setting, state: State) -> _Seen:
     points, tangents, kappa = setting.outline.lifted(plan.piece, s, offsets, (position, psi, along, kappa))
     first, last = plan.ends
     pieces = Pieces(plan.piece[first], u[first], u[last], plan.segment[first])
-    return _Seen(pieces, plan.ends, points, tangents, kappa)
+    return Seen(pieces, plan.ends, points, tangents, kappa)
 
 
 @dataclass(frozen=True, eq=False)
@@ -220,7 +220,7 @@ def _neighbours(rows: int, each: int) -> Index:
     return np.array([numbers[:, :-1].ravel(), numbers[:, 1:].ravel()])
 
 
-def _cut(setting: Setting, state: State, pieces: Pieces) -> _Seen:
+def _cut(setting: Setting, state: State, pieces: Pieces) -> Seen:
     """Each stretch cut into equal parts."""
     marks = pieces.u0[:, None] + (pieces.u1 - pieces.u0)[:, None] * np.linspace(0.0, 1.0, _CUT + 1)
     piece, segment = pieces.piece.repeat(_CUT + 1), pieces.segment.repeat(_CUT + 1)
@@ -228,7 +228,7 @@ def _cut(setting: Setting, state: State, pieces: Pieces) -> _Seen:
     ends = _neighbours(len(pieces.u0), _CUT + 1)
     first, last = ends
     parts = Pieces(piece[first], u[first], u[last], segment[first])
-    return _Seen(parts, ends, *setting.outline.trace(state.axis, piece, u, segment))
+    return Seen(parts, ends, *setting.outline.trace(state.axis, piece, u, segment))
 
 
 class _ArcBounds:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from gripper.arrays import Array, Complex
 from gripper.contact.obstacle import Obstacle
-from gripper.contact.outline import UPPER, dot
-from gripper.contact.parabola import vertex
+from gripper.contact.outline import dot
 from gripper.objects import Object
 from gripper.objects.compiled import PerInstance
+from gripper.statics.certificate import Pieces, first_look
 from gripper.statics.equilibrium import Setting
 from gripper.statics.verified import Verified
 
@@ -20,12 +22,8 @@ _OFF = 1e-7  # of L: a foot that near is on the outline
 _ARRIVED = (
     1e-4  # last step, relative: what is left of a foot's way is its square, and of the distance the square of that
 )
-_MARKS = np.linspace(-1.0, 1.0, 9)
-_ZOOMS = 7
-_COARSER = 4.0  # the same as the marks' spacing: of an object that is small and near against it
-_FINER = 16.0  # a parabola's vertex is that much nearer than the samples
-_SETTLED = 1e-10  # of L
-_SMOOTH = 0.01  # of the marks' spacing: two neighbours together rise by less where the distance has no corner
+_NEARER = 40  # steps to the least distance between two samples: three do where finger and object are smooth
+_SETTLED = 1e-10  # of L: what the last of them would still gain
 _WIDER = 2.0  # g / |grad g| may be off a distance by this much: samples within it are looked at
 
 
@@ -40,9 +38,19 @@ def clearance(setting: Setting, verified: Verified) -> float:
     return _distance(setting, verified)
 
 
+@dataclass(frozen=True, eq=False)
+class _Feet:
+    """Of points outside an object: the feet of their normals, how far these are, and the way there; (k,) each."""
+
+    places: Complex
+    distances: Array
+    outward: Complex  # unit vectors from the feet to the points
+    bends: Array  # curvature of the line of this distance: kappa / (1 + kappa d)
+
+
 def distances(obstacle: Obstacle, points: Complex) -> Array:
     """Distances of points outside to the object, by L: to the feet of the normals, found by Newton's method."""
-    return _distances(obstacle, points, _beside(obstacle, points))[0]
+    return _feet(obstacle, points, _beside(obstacle, points)).distances
 
 
 def _beside(obstacle: Obstacle, points: Complex) -> Complex:
@@ -66,12 +74,11 @@ def _sampled(body: Object) -> Complex:
 _samples: PerInstance[Object, Complex] = PerInstance(_sampled)
 
 
-def _distances(obstacle: Obstacle, points: Complex, foot: Complex) -> tuple[Array, Complex]:
-    """The distances and the feet, found from others nearby."""
-    g, normal = obstacle.slope(points)
-    if np.all(np.abs(np.abs(normal) - 1) < 1e-9):
-        foot = points - g * normal
-        return _past_corners(obstacle, points, g, foot), foot  # g is the distance itself
+def _feet(obstacle: Obstacle, points: Complex, foot: Complex) -> _Feet:
+    """The feet of points, found from others nearby."""
+    g, normal, (a, b) = obstacle.curvature(points)
+    if np.all(np.abs(np.abs(normal) - 1) < 1e-9):  # g is the distance itself
+        return _past_corners(obstacle, points, _Feet(points - g * normal, g, normal, _bend(1j * normal, a, b)))
     for _ in range(_FEET):
         g, normal, (a, b) = obstacle.curvature(foot)
         size = np.maximum(np.abs(normal), 1e-12)
@@ -88,53 +95,91 @@ def _distances(obstacle: Obstacle, points: Complex, foot: Complex) -> tuple[Arra
         foot = foot + step
         if (np.abs(step) < _ARRIVED * (_ARRIVED + np.abs(away))).all():
             break
-    return _past_corners(obstacle, points, np.abs(points - foot), foot), foot
+    found = np.abs(points - foot)
+    outward = np.where(found > 0, (points - foot) / np.where(found > 0, found, 1.0), unit)
+    return _past_corners(
+        obstacle, points, _Feet(foot, found, outward, curvature / np.maximum(1 + curvature * found, 0.5))
+    )
 
 
-def _past_corners(obstacle: Obstacle, points: Complex, found: Array, foot: Complex) -> Array:
-    """The distances found, but to the nearest corner where the foot is off the outline: beyond its edges' ends."""
+def _bend(tangent: Complex, a: Array, b: Complex) -> Array:
+    """An object's Hessian (a, b) along tangents."""
+    bend: Array = a + (b * tangent.conj() ** 2).real
+    return bend
+
+
+def _past_corners(obstacle: Obstacle, points: Complex, feet: _Feet) -> _Feet:
+    """The feet found, but the nearest corner for one that is off the outline: beyond its edges' ends."""
     if not len(obstacle.corners):
-        return found
-    off = np.flatnonzero(np.abs(obstacle.gap(foot)) > _OFF * (1 + found))
-    found[off] = np.abs(points[off, None] - obstacle.corners).min(axis=1)
-    return found
+        return feet
+    off = np.flatnonzero(np.abs(obstacle.gap(feet.places)) > _OFF * (1 + feet.distances))
+    if off.size:
+        corner = obstacle.corners[np.abs(points[off, None] - obstacle.corners).argmin(axis=1)]
+        away = points[off] - corner
+        feet.places[off], feet.distances[off] = corner, np.abs(away)
+        feet.outward[off] = away / np.maximum(feet.distances[off], 1e-300)
+        feet.bends[off] = 1 / np.maximum(feet.distances[off], 1e-300)
+    return feet
 
 
 def _distance(setting: Setting, verified: Verified) -> float:
-    """The least distance over the sampled outline, zoomed in on where it may be least on each of its pieces."""
-    obstacle, survey = verified.equilibrium.obstacle, verified.survey
-    pieces, rough = survey.pieces, survey.depths[0]
-    spacing = pieces.u1 - pieces.u0
+    """The least distance over the sampled outline, and between samples where it may be less."""
+    state, obstacle, survey = verified.equilibrium.state, verified.equilibrium.obstacle, verified.survey
+    seen = first_look(setting, state)
+    spacing = seen.pieces.u1 - seen.pieces.u0
+    rough = survey.depths.min(axis=0)
     close = np.flatnonzero(rough <= _WIDER * rough.min() + spacing)  # a small object lies between two samples
-    points = survey.points[close]
-    found, feet = _distances(obstacle, points, _beside(obstacle, points))
-    least = float(np.min(found))
-    for piece in np.unique(pieces.piece[close]).tolist():
-        mine = np.flatnonzero(pieces.piece[close] == piece)
-        best = int(mine[np.argmin(found[mine])])
-        if found[best] - spacing[close[best]] < least:
-            place = float(pieces.u0[close[best]]), float(spacing[close[best]])
-            least = min(least, _zoomed(setting, verified, piece, place, complex(feet[best]), float(found[best])))
-    return least
+    samples, where = np.unique(seen.ends[:, close], return_inverse=True)
+    points, tangents = seen.points[samples], seen.tangents[samples]
+    feet = _feet(obstacle, points, _beside(obstacle, points))
+    least = float(feet.distances.min())
+    first, last = where.reshape(2, -1)
+    slopes, speeds = dot(feet.outward, tangents), np.abs(tangents)
+    arc = spacing[close] * np.maximum(speeds[first], speeds[last])
+    lower = (feet.distances[first] + feet.distances[last] - arc) / 2
+    turning = np.flatnonzero((slopes[first] < 0) & (slopes[last] > 0) & (lower < least))
+    if not turning.size:
+        return least
+    first, last = first[turning], last[turning]
+    start = np.where(feet.distances[first] < feet.distances[last], first, last)
+    stretches = seen.pieces.take(close[turning])
+    bent = (tangents[last] - tangents[first]) / spacing[close[turning]]
+    level = slopes[first] / (slopes[first] - slopes[last])  # where the slope would vanish on a straight line
+    return min(least, _between(setting, verified, stretches, level, feet.places[start], bent))
 
 
-def _zoomed(
-    setting: Setting, verified: Verified, piece: int, place: tuple[float, float], foot: complex, least: float
+def _between(
+    setting: Setting, verified: Verified, stretches: Pieces, level: Array, foot: Complex, bent: Complex
 ) -> float:
-    """The least distance on a piece about a place, known to that spacing, its foot and its distance."""
+    """The least distance on stretches of outline where it has a minimum: Newton's method, kept within.
+
+    Parameters
+    ----------
+    setting, verified
+        The finger and its equilibrium.
+    stretches
+        Of the outline, (k,).
+    level
+        Where on each to start, from 0 to 1, (k,).
+    foot
+        On the object, near the feet, (k,).
+    bent
+        The outline's second derivatives there, roughly, (k,).
+    """
     state, obstacle = verified.equilibrium.state, verified.equilibrium.obstacle
-    (u, step), length = place, setting.outline.pieces[piece].length
-    which, size = np.full(_MARKS.size, piece), setting.body.inner_radius / setting.sections.length
-    for _ in range(_ZOOMS):
-        marks = (u + step * _MARKS).clip(0.0, length)
-        segment = state.beam.segment_of(marks) if piece <= UPPER else np.full(marks.size, state.beam.segments - 1)
-        points = setting.outline.trace(state.axis, which, marks, segment)[0]
-        found, feet = _distances(obstacle, points, np.full(marks.size, foot))
-        i = int(np.argmin(found))
-        foot = feet[i]
-        (u, lowest), least = vertex(marks, found, i), min(least, float(found[i]))
-        beside = found[max(i - 1, 0) : i + 2]
-        if least - lowest < _SETTLED and np.ptp(beside) < _SMOOTH * step:
+    low, high = stretches.u0, stretches.u1
+    u, least = low + level * (high - low), np.inf
+    for _ in range(_NEARER):
+        points, tangents, _ = setting.outline.trace(state.axis, stretches.piece, u, stretches.segment)
+        feet = _feet(obstacle, points, foot)
+        foot, least = feet.places, min(least, float(feet.distances.min()))
+        slope = dot(feet.outward, tangents)
+        # the second derivative of the distance along a straight outline, taken along all of c' as where d is a cone
+        rise = feet.bends * np.abs(tangents) ** 2 + dot(feet.outward, bent)
+        low, high = np.where(slope < 0, u, low), np.where(slope > 0, u, high)
+        moved = u - slope / np.where(rise > 0, rise, np.inf)
+        moved = np.where((rise > 0) & (moved > low) & (moved < high), moved, (low + high) / 2)
+        if (np.abs(slope * (moved - u)) < _SETTLED).all():
             break
-        step /= _FINER if step < 2 * (least + size) else _COARSER
+        u = moved
     return least
