@@ -32,7 +32,7 @@ from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting
 from gripper.statics.newton import unloaded
 from gripper.statics.patches import settle_contacts
 from gripper.statics.snap import descend, distance
-from gripper.statics.steps import predicted
+from gripper.statics.steps import extrapolated, predicted
 from gripper.statics.verified import Verified, stability, untouched, verify
 
 ON_CLAMP = "the object lies on the clamp"
@@ -49,6 +49,7 @@ _EFFORT = 4000  # evaluations of the gaps that may be in vain on the way to a po
 _SNAPS = 3
 _HIGHEST_ORDER = 14
 _EXTRAPOLATED = 3.0  # of the last step: the next one may be that much longer and still bend as it did
+_REMEMBERED = 6  # equilibria before the last one
 _DEPARTS = 0.5  # of a step: what it may differ from its prediction
 _LEAVES = "the equilibrium ends here: the finger leaves for another"
 _ALONG = np.linspace(0.0, 1.0, 33)
@@ -95,7 +96,7 @@ class Tracker:
         self.setting, self.path, self.parameter, self.order, self.events = setting, path, parameter, order, events
         self.changes: list[Change] = []
         self.iterations = 0
-        self._last: Along | None = None
+        self._trail: list[Along] = []  # the last equilibria of the same contacts before the current one, newest first
         self._travelled = (math.nan, math.nan, 0.0)
         self.current = free or self._free(parameter)
         if free is None and not untouched(setting, self.current):
@@ -289,12 +290,15 @@ class Tracker:
         return bool(np.any(predicted.multipliers <= 0))
 
     def _predicted(self, change: float) -> State:
-        """Along the tangent, bent as it has turned since the last equilibrium of the same contacts."""
-        equilibrium, last = self.current.equilibrium, self._last
-        if last is not None and _alike(last.equilibrium.state, equilibrium.state):
-            back = self.parameter - last.parameter
-            if abs(change) < _EXTRAPOLATED * abs(back):
-                return predicted(self.setting, equilibrium, change, (last.equilibrium, back))
+        """By the polynomial through the last equilibria of the same contacts; along the tangent where they are few."""
+        equilibrium, trail = self.current.equilibrium, self._trail
+        behind = [(at.parameter, at.equilibrium) for at in trail if (self.parameter - at.parameter) * change > 0]
+        guess = extrapolated(self.setting, [(self.parameter, equilibrium), *behind], self.parameter + change)
+        if guess is not None:
+            return guess
+        if behind and abs(change) < _EXTRAPOLATED * abs(self.parameter - behind[0][0]):
+            last = behind[0][1], self.parameter - behind[0][0]
+            return predicted(self.setting, equilibrium, change, last)
         return predicted(self.setting, equilibrium, change)
 
     def _compare(self, found: Verified, moved: float, travel: float) -> None:
@@ -325,7 +329,8 @@ class Tracker:
                 sites = before.equilibrium.state.sites, after.equilibrium.state.sites
                 changed = [Change(following, "change", transition(self.setting.outline, *sites))]
         self.iterations += found.equilibrium.iterations
-        self._last = before
+        same = not changed and _alike(before.equilibrium.state, found.equilibrium.state)
+        self._trail = [before, *self._trail[:_REMEMBERED]] if same else []
         self.parameter, self.current = following, found
         if self.events:
             self.changes += changed
@@ -348,7 +353,7 @@ class Tracker:
             raise NoEquilibriumError(f"{STRUT}; {failure}" if on_end else str(failure)) from failure
         self.iterations += found.equilibrium.iterations
         self.changes.append(Change(self.parameter, "snap", STRUT if on_end else _LEAVES))
-        self.parameter, self.current = following, found
+        self.parameter, self.current, self._trail = following, found, []
 
     def _refined(self) -> Answer:
         """The current equilibrium with its error estimate, of an order that meets the tolerance."""
@@ -356,7 +361,7 @@ class Tracker:
         while error > self.setting.tolerance and self.order < _HIGHEST_ORDER:
             self.order += 2
             state = self.current.equilibrium.state
-            self.current = self._at(self.parameter, state)
+            self.current, self._trail = self._at(self.parameter, state), []
             self.iterations += self.current.equilibrium.iterations
             error = discretisation_error(self.setting, self.current.equilibrium)
         return Answer(self.current, error, 0.0, self.iterations)
@@ -376,8 +381,10 @@ def _alike(one: State, other: State) -> bool:
     if len(one.sites) != len(other.sites) or one.z.size != other.z.size:
         return False
     pairs = zip(one.sites, other.sites, strict=True)
-    return all((a.kind, a.piece, a.vertex, a.modes) == (b.kind, b.piece, b.vertex, b.modes) for a, b in pairs) and (
-        one.places.size == other.places.size
+    return all(
+        (a.kind, a.piece, a.vertex, a.modes, a.unknowns) == (b.kind, b.piece, b.vertex, b.modes, b.unknowns)
+        and (a.grip and (a.grip.hold, a.grip.sense)) == (b.grip and (b.grip.hold, b.grip.sense))
+        for a, b in pairs
     )
 
 

@@ -129,14 +129,18 @@ class State:
 
     def moved(self, dz: Array, dmultipliers: Array, dplaces: Array) -> State:
         """The state after a step in all unknowns."""
+        sites = self.placed(self.places + dplaces).sites
+        return State(self.beam, self.z + dz, sites, self.multipliers + dmultipliers)
+
+    def placed(self, places: Array) -> State:
+        """The state with its contacts at other values of their unknowns."""
         sites, first = [], 0
         for site in self.sites:
             last = first + site.unknowns
-            sites.append(site.moved(site.coordinates + dplaces[first:last]))
+            sites.append(site.moved(places[first:last]))
             first = last
         grip = sites[0].grip if sites else None
-        moved = grip.law.shared(tuple(sites)) if grip else tuple(sites)
-        return State(self.beam, self.z + dz, moved, self.multipliers + dmultipliers)
+        return replace(self, sites=grip.law.shared(tuple(sites)) if grip else tuple(sites))
 
     @property
     def loads(self) -> list[Array]:

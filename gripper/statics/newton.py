@@ -17,8 +17,8 @@ from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting
 from gripper.statics.steps import advanced, ends_at, largest
 
 _ITERATIONS = 20
-_CONVERGED = 1e-6  # last step, relative: the next one, of second order, would be round-off
-_ROUND_OFF = 1e-9  # relative: what must then be left of the forces
+_CONVERGED = 1e-5  # last step, relative: the next one, of second order, would be round-off
+_LEFT, _ROUND_OFF = 5e-5, 5e-9  # of the tolerance, and at most: what may then be left of the forces, relative
 _FLUSH_ORDER = 5  # of strains that tell a pressure of many modes from the force of the corner that it ends in
 _FITS = 1e-3  # last step, relative: below it the fields fit the places
 _NO_STRAIN = 1e-8  # |z| below which steps are judged by their own size: round-off of the gap moves z by 1e-16
@@ -62,13 +62,13 @@ def settle(setting: Setting, obstacle: Obstacle, state: State, order: int) -> Eq
 
 def _newton(setting: Setting, obstacle: Obstacle, state: State, order: int) -> Equilibrium:
     last, way, held = np.inf, 0.0, False
-    flush = any(site.lifts_off for site in state.sites)
+    flush, settled = any(site.lifts_off for site in state.sites), min(_ROUND_OFF, _LEFT * setting.tolerance)
     for iteration in range(_ITERATIONS):
         if iteration == 0 and not _fitted(setting, state, order):
             state = state.on(setting.beam(state.sites, order))
         lin = linearise(state.beam, state.z, setting.outline, obstacle, state.sites, state.multipliers)
         state = anchored(state, lin) if iteration == 0 else state
-        if last < _CONVERGED and (last < _ROUND_OFF or _unbalanced(state, lin) < _ROUND_OFF):
+        if last < _CONVERGED and (last < settled or _unbalanced(state, lin) < settled):
             return Equilibrium(state, obstacle, lin, iteration, way)
         # flush on a flat: how the place of lift-off answers to steps shows only once the fields fit that place
         held = flush and not held and last > _FITS
@@ -171,4 +171,4 @@ def _fitted(setting: Setting, state: State, order: int) -> bool:
     beam, breaks = state.beam, setting.breaks(state.sites)
     if beam.sections is not setting.sections or beam.theory != setting.theory or beam.order != order:
         return False
-    return ends_at(beam, breaks)
+    return ends_at(beam, breaks, setting.tolerance)

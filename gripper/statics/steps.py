@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import functools
+import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -12,14 +14,20 @@ from gripper.beam.strains import Beam
 from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, Step
 
 _SMALL = 1e-6  # of L
+_FEWEST, _MOST = 4, 7  # equilibria through which a polynomial predicts the next one
+_AGREE = 1e-3  # relative: what polynomials through one more or less may differ by
+_NEAR = 1e-2  # of the tolerance, by L: a kink that far from its break costs less than is asked
+_NARROW = 4e-5  # of the shortest segment, which a narrow patch may be: as much of it
 _EXACT = 1e-7  # of the shortest segment: breaks this near are the same
 
 
-def ends_at(beam: Beam, breaks: tuple[float, ...]) -> bool:
-    """Whether the beam's segments end at these places (by L)."""
+def ends_at(beam: Beam, breaks: tuple[float, ...], tolerance: float) -> bool:
+    """Whether the beam's segments end at these places (by L), as near as a tolerance of the forces asks."""
     if len(breaks) != len(beam.breaks):
         return False
-    return bool(np.abs(np.subtract(breaks, beam.breaks)).max() < _EXACT * beam.lengths.min())
+    shortest = float(beam.lengths.min())
+    near = max(min(_NEAR * tolerance, _NARROW * shortest), _EXACT * shortest)
+    return all(abs(a - b) < near for a, b in zip(breaks, beam.breaks, strict=True))
 
 
 def advanced(setting: Setting, state: State, step: Step) -> State:
@@ -29,7 +37,7 @@ def advanced(setting: Setting, state: State, step: Step) -> State:
     """
     moved = state.moved(*step)
     breaks = setting.breaks(moved.sites)
-    if len(breaks) != len(state.beam.breaks) or ends_at(state.beam, breaks):
+    if len(breaks) != len(state.beam.breaks) or ends_at(state.beam, breaks, setting.tolerance):
         return moved
     moves = np.array(breaks) - state.beam.breaks
     carried = state.beam.convection(state.z, moves)
@@ -83,15 +91,61 @@ def predicted(
     return _carried(setting, moved, breaks, now.state.fields + change * (flow + off) + turned * (flow - old_flow))
 
 
+def extrapolated(setting: Setting, trail: Sequence[tuple[float, Equilibrium]], parameter: float) -> State | None:
+    """The state at a value of the parameter, by the polynomial through the last equilibria of the same contacts.
+
+    Of as many of these as agree best with one fewer: where the branch is smooth, its error is far below a tangent's.
+
+    Parameters
+    ----------
+    setting, trail
+        Where they are, and what they are: the last one first, all with the same unknowns.
+    parameter
+        Where to.
+
+    Returns
+    -------
+    State | None
+        None where they are too few, or do not agree.
+    """
+    if len(trail) < _FEWEST:
+        return None
+    states = [equilibrium.state for _, equilibrium in trail[:_MOST]]
+    known = np.array([np.concatenate([s.fields.ravel(), s.multipliers, s.places]) for s in states])
+    weights = _lagrange([at - parameter for at, _ in trail[:_MOST]])
+    guesses = weights @ known
+    apart = np.square(guesses[1:] - guesses[:-1]).sum(axis=1)
+    best = int(np.argmin(apart))
+    if not apart[best] < (_AGREE * _AGREE) * (known[0] @ known[0]):
+        return None
+    now, guess = states[0], guesses[best + 1]
+    count = now.fields.size
+    middle = count + now.multipliers.size
+    moved = replace(now.placed(guess[middle:]), multipliers=guess[count:middle])
+    breaks = setting.breaks(moved.sites)
+    if len(breaks) != len(now.beam.breaks):
+        return None
+    return _carried(setting, moved, breaks, guess[:count].reshape(now.fields.shape))
+
+
+def _lagrange(away: list[float]) -> Array:
+    """Weights of the values at these abscissae in the polynomials' values at 0, through the first 3, 4, ... of them."""
+    rows = np.zeros((len(away) - 2, len(away)))
+    for row in range(len(away) - 2):
+        some = away[: row + 3]
+        for i, x in enumerate(some):
+            rows[row, i] = math.prod(y / (y - x) for j, y in enumerate(some) if j != i)
+    return rows
+
+
 @functools.lru_cache(maxsize=8)  # where a step ends the next one starts
 def _flow(setting: Setting, equilibrium: Equilibrium) -> Array:
     """Rates of the fields' coefficients, the segments moving with the contacts: (fields, segments, p + 1)."""
     state, (dz, dmultipliers, dplaces) = equilibrium.state, equilibrium.tangent()
     small = _SMALL / max(largest(dplaces), 1.0)
-    moved = setting.breaks(state.moved(0 * dz, 0 * dmultipliers, small * dplaces).sites)
-    moves = (
-        np.subtract(moved, state.beam.breaks) / small if len(moved) == len(state.beam.breaks) else 0 * state.beam.starts
-    )
+    moved = setting.breaks(state.placed(state.places + small * dplaces).sites)
+    breaks = setting.breaks(state.sites)
+    moves = np.subtract(moved, breaks) / small if len(moved) == len(breaks) else 0 * state.beam.starts
     return state.beam.coefficients(dz) + state.beam.convection(state.z, moves)
 
 
