@@ -141,7 +141,7 @@ def _lagrange(away: list[float]) -> Array:
 @functools.lru_cache(maxsize=8)  # where a step ends the next one starts
 def _flow(setting: Setting, equilibrium: Equilibrium) -> Array:
     """Rates of the fields' coefficients, the segments moving with the contacts: (fields, segments, p + 1)."""
-    state, (dz, dmultipliers, dplaces) = equilibrium.state, equilibrium.tangent()
+    state, (dz, _, dplaces) = equilibrium.state, equilibrium.tangent()
     small = _SMALL / max(largest(dplaces), 1.0)
     moved = setting.breaks(state.placed(state.places + small * dplaces).sites)
     breaks = setting.breaks(state.sites)
