@@ -98,23 +98,30 @@ class _Rule:
 
 
 @functools.cache
-def _rule(order: int) -> _Rule:
+def _rule(order: int, modes: int) -> _Rule:
     q = (
         order + 8
     )  # cos(theta) of a polynomial theta: eight more points leave round-off for turns below a radian a segment
     x, weights = np.polynomial.legendre.leggauss(q)
     table = legendre(x, q)
-    modes = table[:, : order + 1]
-    integrals = legendre(x, order + 2) @ _integration(order + 1)
+    shapes = table[:, :modes]
+    integrals = legendre(x, modes + 1) @ _integration(modes)
     interpolant = ((2 * np.arange(q) + 1) / 2)[:, None] * (weights * table.T)
     integral = _integration(q)
-    path, primitive = integral @ interpolant, integral[:, : order + 1]
-    own = np.eye(q + 1, order + 1)
-    slope = np.zeros((q + 1, order + 1))
-    slope[: order + 1] = _differentiation(order + 1)
+    path, primitive = integral @ interpolant, integral[:, :modes]
+    own = np.eye(q + 1, modes)
+    slope = np.zeros((q + 1, modes))
+    slope[:modes] = _differentiation(modes)
     station = np.concatenate([own, primitive, slope, path], axis=1)
-    grams = (weights[:, None, None] * modes[:, :, None] * modes[:, None, :]).reshape(q, -1)
-    return _Rule(x, weights, modes, integrals, primitive, path, station, grams)
+    grams = (weights[:, None, None] * shapes[:, :, None] * shapes[:, None, :]).reshape(q, -1)
+    return _Rule(x, weights, shapes, integrals, primitive, path, station, grams)
+
+
+@functools.cache
+def _shared(segments: int, fields: int, modes: int, first: int, base: bool) -> Index:
+    """Which unknowns are of the first modes: of all segments and fields, and the base's."""
+    numbers = np.arange(segments * fields * modes).reshape(segments, fields, modes)
+    return np.append(numbers[:, :, :first].ravel(), [numbers.size] if base else []).astype(np.intp)
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,9 +145,14 @@ class Beam:
         Order p of the strain fields on each segment.
     theory
         "bending": kappa alone. "shear": kappa and gamma. "stretch": kappa, gamma and eps.
+    extra
+        Modes more than the order has, at the same Gauss points: the whitened unknowns are hierarchical, those of the
+        order being among them.
     """
 
-    def __init__(self, sections: Sections, breaks: tuple[float, ...], order: int, theory: BeamTheory) -> None:
+    def __init__(
+        self, sections: Sections, breaks: tuple[float, ...], order: int, theory: BeamTheory, extra: int = 0
+    ) -> None:
         self.sections, self.breaks, self.order, self.theory = sections, breaks, order, theory
         self.starts = np.array(breaks[:-1])
         self.lengths = np.array(breaks[1:]) - self.starts
@@ -148,11 +160,11 @@ class Beam:
         self.fields = _FIELDS[theory]
         self.stretches = theory == "stretch"
         self.segments = len(breaks) - 1
-        self.modes = order + 1
+        self.modes = order + 1 + extra
         self._strains = self.segments * self.fields * self.modes
         self.yields = sections.base is not None
         self.size = self._strains + self.yields
-        self._rule = rule = _rule(order)
+        self._rule = rule = _rule(order, self.modes)
         self.gauss = (self.starts[:, None] + self.lengths[:, None] * (rule.x + 1) / 2).ravel()
         self._upper, self._whiten = self._whitening()
         before = _before(self.segments)
@@ -306,6 +318,11 @@ class Beam:
         slopes = self.coefficients(z) @ _differentiation(self.modes).T / self._halves[:, None]
         middle, spread = (moves[1:] + moves[:-1]) / 2, (moves[1:] - moves[:-1]) / 2
         return middle[:, None] * slopes + spread[:, None] * (slopes @ _multiplication(self.modes).T)
+
+    def richer(self, extra: int) -> tuple[Beam, Index]:
+        """A beam with more modes on the same segments and Gauss points, and which of its unknowns are this beam's."""
+        richer = Beam(self.sections, self.breaks, self.order, self.theory, extra)
+        return richer, _shared(self.segments, self.fields, richer.modes, self.modes, self.yields)
 
     def embed(self, other: Beam, z: Array) -> Array:
         """The unknowns for the very fields of a beam of lower order, or of a poorer theory, on the same segments."""

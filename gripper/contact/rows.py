@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gripper.arrays import Array, Complex
+from gripper.arrays import Array, Complex, Index
 from gripper.beam.strains import Beam
 from gripper.contact.obstacle import Obstacle
 from gripper.contact.outline import UPPER, Stations, dot
@@ -51,6 +51,20 @@ class Linearisation:
         """The same with what else loads the finger."""
         hessian, rates = self.hessian + push.slopes, self.load_rates + push.rates
         return replace(self, hessian=hessian, load_rates=rates, push=push)
+
+    def keeping(self, kept: Index) -> Linearisation:
+        """The same without friction and other loads, in some of the beam's unknowns only."""
+        gradients = self.gradients[:, kept]
+        return replace(
+            self,
+            gradients=gradients,
+            residual_gradients=self.residual_gradients[:, kept],
+            load_slopes=self.load_slopes[kept],
+            hessian=self.hessian[kept[:, None], kept],
+            load_rates=self.load_rates[kept],
+            force_gradient=self.force_gradient[kept],
+            loads=gradients,
+        )
 
     def load(self, multipliers: Array) -> Array:
         """All that bends the finger: generalised forces on z, (n,)."""

@@ -96,6 +96,7 @@ class Tracker:
         self.setting, self.path, self.parameter, self.order, self.events = setting, path, parameter, order, events
         self.changes: list[Change] = []
         self.iterations = 0
+        self._asked = math.nan
         self._trail: list[Along] = []  # the last equilibria of the same contacts before the current one, newest first
         self._travelled = (math.nan, math.nan, 0.0)
         self.current = free or self._free(parameter)
@@ -130,6 +131,7 @@ class Tracker:
             Where no equilibrium could be followed that far; the tracker stays at the last one it found.
         """
         self._refuse_at_clamp(target)
+        self._asked = target
         self.iterations = failures = snaps = effort = 0
         bound = np.inf
         while self.parameter != target:
@@ -219,7 +221,8 @@ class Tracker:
 
     def _at(self, parameter: float, state: State) -> Verified:
         obstacle = self.setting.obstacle(self.path.frame(parameter))
-        return verify(self.setting, settle_contacts(self.setting, obstacle, state, self.order))
+        judged = parameter == self._asked  # on the way there no error is estimated
+        return verify(self.setting, settle_contacts(self.setting, obstacle, state, self.order, judged=judged))
 
     def _step(self, following: float) -> None:
         if not self.sites:

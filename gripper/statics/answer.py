@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
 
 from gripper.arrays import Array, Complex
-from gripper.beam.strains import Beam
 from gripper.contact.kinematics import Placement
 from gripper.contact.linear import linearise
 from gripper.result import ErrorEstimate, PoseResult, Shape
@@ -25,17 +23,18 @@ from gripper.statics.verified import Verified
 
 
 def discretisation_error(setting: Setting, equilibrium: Equilibrium) -> float:
-    """Relative error of the force vector: one Newton step of the system enriched by two orders, contacts fixed.
+    """Relative error of the force vector: one Newton step of the system enriched by two modes a field, contacts fixed.
 
     Of a finger that only its loads bend: of the tip's deflection.
     """
     state = equilibrium.state
     if not state.sites and equilibrium.linear.push is None:
         return 0.0
-    finer = Beam(setting.sections, state.beam.breaks, state.beam.order + 2, setting.theory)
-    enriched = dataclasses.replace(state, beam=finer, z=finer.embed(state.beam, state.z))
-    lin = linearise(finer, enriched.z, setting.outline, equilibrium.obstacle, state.sites, state.multipliers)
-    return relative_change(equilibrium, enriched, lin)
+    if equilibrium.enriched is not None:
+        return relative_change(equilibrium, *equilibrium.enriched)
+    richer, _ = state.enriched()
+    lin = linearise(richer.beam, richer.z, setting.outline, equilibrium.obstacle, state.sites, state.multipliers)
+    return relative_change(equilibrium, richer, lin)
 
 
 @dataclass(frozen=True, eq=False)

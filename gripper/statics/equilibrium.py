@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.linalg.lapack import dgesv
 
-from gripper.arrays import Array, Complex
+from gripper.arrays import Array, Complex, Index
 from gripper.beam.axis import Axis
 from gripper.beam.energy import energy, energy_gradient, energy_hessian
 from gripper.beam.sections import Sections
@@ -39,6 +39,7 @@ from gripper.statics.compiled_loads import Loads
 if TYPE_CHECKING:
     from gripper.contact.law import Law
 
+_ENRICHED = 2  # modes more that judge an equilibrium
 _NARROWEST = 1e-8  # of L: breaks nearer than this are one
 
 
@@ -154,6 +155,13 @@ class State:
             sites = sites[0].grip.law.grouped(sites)  # one that others followed may be gone
         return replace(self, sites=sites, multipliers=np.concatenate(list(itertools.compress(self.loads, keep))))
 
+    def enriched(self) -> tuple[State, Index]:
+        """The state among two modes more a field, and which of the unknowns are its own."""
+        beam, kept = self.beam.richer(_ENRICHED)
+        z = np.zeros(beam.size)
+        z[kept] = self.z
+        return replace(self, beam=beam, z=z), kept
+
     def on(self, beam: Beam) -> State:
         """The strains nearest to these on other segments."""
         return replace(self, beam=beam, z=beam.project(self.beam, self.z))
@@ -169,6 +177,8 @@ class Equilibrium:
     iterations: int
     correction: float = 0.0
     """Length of Newton's way in z: how far the start was off."""
+    enriched: tuple[State, Linearisation] | None = None
+    """The state among more modes, and its linearisation there, where the error was to be estimated."""
 
     def matrix(self) -> Array:
         """The KKT matrix in (z, lambda, u)."""

@@ -43,8 +43,11 @@ def _shortening(state: State, dplaces: Array) -> float:
     return factor
 
 
-def settle(setting: Setting, obstacle: Obstacle, state: State, order: int) -> Equilibrium:
+def settle(setting: Setting, obstacle: Obstacle, state: State, order: int, *, judged: bool = False) -> Equilibrium:
     """Newton, the segments cut anew at the contacts' places before every step, so that they end where those are.
+
+    Where its error is going to be estimated (``judged``) the last linearisation is that of the enriched system, which
+    holds its own.
 
     Raises
     ------
@@ -57,19 +60,19 @@ def settle(setting: Setting, obstacle: Obstacle, state: State, order: int) -> Eq
         raise NoEquilibriumError("a patch has shrunk to nothing")
     if any(site.lifts_off and site.modes == WIDE for site in state.sites):
         order = max(order, _FLUSH_ORDER)
-    return _newton(setting, obstacle, state, order)
+    return _newton(setting, obstacle, state, order, judged=judged and obstacle.acting is None)
 
 
-def _newton(setting: Setting, obstacle: Obstacle, state: State, order: int) -> Equilibrium:
+def _newton(setting: Setting, obstacle: Obstacle, state: State, order: int, *, judged: bool = False) -> Equilibrium:
     last, way, held = np.inf, 0.0, False
     flush, settled = any(site.lifts_off for site in state.sites), min(_ROUND_OFF, _LEFT * setting.tolerance)
     for iteration in range(_ITERATIONS):
         if iteration == 0 and not _fitted(setting, state, order):
             state = state.on(setting.beam(state.sites, order))
-        lin = linearise(state.beam, state.z, setting.outline, obstacle, state.sites, state.multipliers)
+        lin, enriched = _linear(setting, obstacle, state, enrich=judged and last < _CONVERGED)
         state = anchored(state, lin) if iteration == 0 else state
         if last < _CONVERGED and (last < settled or _unbalanced(state, lin) < settled):
-            return Equilibrium(state, obstacle, lin, iteration, way)
+            return Equilibrium(state, obstacle, lin, iteration, way, enriched)
         # flush on a flat: how the place of lift-off answers to steps shows only once the fields fit that place
         held = flush and not held and last > _FITS
         dz, dmultipliers, dplaces = kkt_step(state, lin, held=held)
@@ -81,6 +84,17 @@ def _newton(setting: Setting, obstacle: Obstacle, state: State, order: int) -> E
         if not math.isfinite(last) or size > _WILD or largest(state.multipliers) > _WILD**2:
             raise NoEquilibriumError("Newton's iteration diverged")
     raise NoEquilibriumError(f"Newton's iteration did not converge in {_ITERATIONS} steps")
+
+
+def _linear(
+    setting: Setting, obstacle: Obstacle, state: State, *, enrich: bool
+) -> tuple[Linearisation, tuple[State, Linearisation] | None]:
+    """The linearisation at a state; where it is to be enriched, as a part of that."""
+    if not enrich or state.sites[0].grip is not None:
+        return linearise(state.beam, state.z, setting.outline, obstacle, state.sites, state.multipliers), None
+    richer, kept = state.enriched()
+    whole = linearise(richer.beam, richer.z, setting.outline, obstacle, state.sites, state.multipliers)
+    return whole.keeping(kept), (richer, whole)
 
 
 def _unbalanced(state: State, lin: Linearisation) -> float:

@@ -144,8 +144,12 @@ def spread(force: float, site: Site) -> list[float]:
     return [float(value) for value in force * modes / modes[0]]
 
 
-def settle_contacts(setting: Setting, obstacle: Obstacle, state: State, order: int) -> Equilibrium:
+def settle_contacts(
+    setting: Setting, obstacle: Obstacle, state: State, order: int, *, judged: bool = False
+) -> Equilibrium:
     """Settle, and again where the object rolls on to another corner, a point must become a patch or a patch a point.
+
+    With ``judged`` for an estimate of the error (:func:`gripper.statics.newton.settle`).
 
     Raises
     ------
@@ -154,17 +158,17 @@ def settle_contacts(setting: Setting, obstacle: Obstacle, state: State, order: i
     """
     foreseen = rolled_ahead(setting, obstacle, _foreseen(setting, obstacle, state))
     try:
-        found = settle(setting, obstacle, foreseen, order)
+        found = settle(setting, obstacle, foreseen, order, judged=judged)
     except NoEquilibriumError:
         if foreseen is state:
             raise
-        found = settle(setting, obstacle, state, order)
+        found = settle(setting, obstacle, state, order, judged=judged)
     found = rolled_on(setting, found, order)
     sites = fit_patches(setting, found)
     if sites == found.state.sites:
         return found
     try:
-        again = settle(setting, obstacle, with_sites(found.state, sites), order)
+        again = settle(setting, obstacle, with_sites(found.state, sites), order, judged=judged)
     except NoEquilibriumError:
         if any(old.kind != new.kind and not _pointlike(new) for old, new in zip(found.state.sites, sites, strict=True)):
             raise
