@@ -294,15 +294,23 @@ class Tracker:
 
     def _predicted(self, change: float) -> State:
         """By the polynomial through the last equilibria of the same contacts; along the tangent where they are few."""
-        equilibrium, trail = self.current.equilibrium, self._trail
-        behind = [(at.parameter, at.equilibrium) for at in trail if (self.parameter - at.parameter) * change > 0]
+        equilibrium, last, behind = self.current.equilibrium, self.parameter, []
+        for at in self._trail_of(equilibrium):
+            if (last - at.parameter) * change <= 0:
+                break  # before that the motion went the other way
+            last = at.parameter
+            behind.append((last, at.equilibrium))
         guess = extrapolated(self.setting, [(self.parameter, equilibrium), *behind], self.parameter + change)
         if guess is not None:
             return guess
         if behind and abs(change) < _EXTRAPOLATED * abs(self.parameter - behind[0][0]):
-            last = behind[0][1], self.parameter - behind[0][0]
-            return predicted(self.setting, equilibrium, change, last)
+            return predicted(self.setting, equilibrium, change, (behind[0][1], self.parameter - behind[0][0]))
         return predicted(self.setting, equilibrium, change)
+
+    def _trail_of(self, equilibrium: Equilibrium) -> list[Along]:
+        """The equilibria before this one, if they have the same contacts."""
+        trail = self._trail
+        return trail if trail and _alike(trail[0].equilibrium.state, equilibrium.state) else []
 
     def _compare(self, found: Verified, moved: float, travel: float) -> None:
         """A finger moves with its object: by as much, or as much more as its tip lies beyond the contact.
@@ -333,7 +341,7 @@ class Tracker:
                 changed = [Change(following, "change", transition(self.setting.outline, *sites))]
         self.iterations += found.equilibrium.iterations
         same = not changed and _alike(before.equilibrium.state, found.equilibrium.state)
-        self._trail = [before, *self._trail[:_REMEMBERED]] if same else []
+        self._trail = [before, *self._trail_of(before.equilibrium)[:_REMEMBERED]] if same else []
         self.parameter, self.current = following, found
         if self.events:
             self.changes += changed

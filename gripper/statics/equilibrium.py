@@ -128,6 +128,11 @@ class State:
         """The contacts' unknowns, one after the other."""
         return np.concatenate([np.zeros(0), *(site.coordinates for site in self.sites)])
 
+    @functools.cached_property
+    def followed(self) -> Array:
+        """What a motion follows: the fields' coefficients, the multipliers and the places, one after the other."""
+        return np.concatenate([self.fields.ravel(), self.multipliers, self.places])
+
     def moved(self, dz: Array, dmultipliers: Array, dplaces: Array) -> State:
         """The state after a step in all unknowns."""
         sites = self.placed(self.places + dplaces).sites

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -111,7 +110,7 @@ def extrapolated(setting: Setting, trail: Sequence[tuple[float, Equilibrium]], p
     if len(trail) < _FEWEST:
         return None
     states = [equilibrium.state for _, equilibrium in trail[:_MOST]]
-    known = np.array([np.concatenate([s.fields.ravel(), s.multipliers, s.places]) for s in states])
+    known = np.array([state.followed for state in states])
     weights = _lagrange([at - parameter for at, _ in trail[:_MOST]])
     guesses = weights @ known
     apart = np.square(guesses[1:] - guesses[:-1]).sum(axis=1)
@@ -130,12 +129,13 @@ def extrapolated(setting: Setting, trail: Sequence[tuple[float, Equilibrium]], p
 
 def _lagrange(away: list[float]) -> Array:
     """Weights of the values at these abscissae in the polynomials' values at 0, through the first 3, 4, ... of them."""
-    rows = np.zeros((len(away) - 2, len(away)))
-    for row in range(len(away) - 2):
-        some = away[: row + 3]
-        for i, x in enumerate(some):
-            rows[row, i] = math.prod(y / (y - x) for j, y in enumerate(some) if j != i)
-    return rows
+    x = np.array(away)
+    apart = x - x[:, None]
+    np.fill_diagonal(apart, 1.0)
+    factors = x / apart  # of node i by node j: x_j / (x_j - x_i)
+    np.fill_diagonal(factors, 1.0)
+    products: Array = np.tri(x.size) * np.cumprod(factors, axis=1).T
+    return products[2:]
 
 
 @functools.lru_cache(maxsize=8)  # where a step ends the next one starts
