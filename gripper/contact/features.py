@@ -75,6 +75,17 @@ def gone_and_come(
     return gone, come
 
 
+def stayed(old: tuple[Site, ...], new: tuple[Site, ...]) -> bool:
+    """Whether the contacts of two neighbouring states are the same, as all are of one kind and near each other.
+
+    However far they were expected to move, :func:`gone_and_come` then finds nothing gone, and nothing come.
+    """
+    return len(old) == len(new) and all(
+        (a.kind, a.piece, a.vertex) == (b.kind, b.piece, b.vertex) and abs(a.middle - b.middle) < _ANOTHER
+        for a, b in zip(old, new, strict=True)
+    )
+
+
 def _nearest(one: Sequence[float], other: Sequence[float]) -> list[tuple[int, int]]:
     """Which of the places in both belong together, as many as the shorter one has."""
     if len(one) > len(other):

@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from gripper.contact.features import apart_from, feature_name, gone_and_come
+from gripper.contact.features import apart_from, feature_name, gone_and_come, stayed
 from gripper.contact.obstacle import Obstacle
 from gripper.contact.site import Site
 from gripper.motion.branch import APART, Along, Branch, Path, bracketed, joined, pointed, released
@@ -47,6 +47,8 @@ def changes(setting: Setting, path: Path, old: Along, new: Along, order: int, *,
         Where the branches do not lead to the event: the step is too long, or leads to another branch.
     """
     before, after, outline = old.equilibrium.state.sites, new.equilibrium.state.sites, setting.outline
+    if stayed(before, after):
+        return []
     gone, come = gone_and_come(before, after, _moves(old, new))
     out: list[Change] = []
     for lost in list(gone):
