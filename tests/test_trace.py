@@ -12,6 +12,7 @@ import sympy
 
 import gripper as gr
 from gripper.motion.tracker import within
+from gripper.parameters import replaced
 from gripper.statics.equilibrium import NoEquilibriumError, reckoned
 from gripper.trace import Interrupted
 from gripper_plugins.fingers.tapered import Tapered
@@ -371,3 +372,15 @@ def test_an_event_of_a_step_is_on_the_step(event: float, place: float) -> None:
     """A contact that is kept a hair beyond its edge left it before the step: no leg of the motion turns for that."""
     assert within(event, 1.0, 0.0) == place
     assert -within(-event, -1.0, 0.0) == place
+
+
+def test_a_contact_that_takes_over_within_one_step_is_located_as_by_steps_that_part_the_two():
+    """The thicker hook of Example I: its face meets the pin 2.3 micrometres of the way before the jaw leaves it."""
+    coarse = replaced(micro_assembly(0.086, 0.0525, 0.0512), {"finger.thickness": 0.0033})
+    fine = replace(coarse, motion=gr.Motion("q", (0.086, 0.0525, 0.051878, 0.0512)))
+    one, parted = gr.trace(coarse), gr.trace(fine)
+    assert [(event.kind, event.detail) for event in one.events[-2:]] == [("touch", "lower"), ("release", "jaw")]
+    assert [event.parameter for event in one.events] == pytest.approx([event.parameter for event in parted.events])
+    assert len(parted.poses[2].contacts) == 2
+    assert one.poses[-1].force_on_object == pytest.approx(parted.poses[-1].force_on_object, rel=1e-9)
+    assert one.poses[-1].iterations < 15  # 27 when steps were halved until they parted the two

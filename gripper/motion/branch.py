@@ -176,16 +176,16 @@ def released(setting: Setting, path: Path, known: Along, other: Along, feature: 
     """
     i = number(known, feature)
     branch = Branch(setting, path, replace(known, equilibrium=_pointed(setting, known.equilibrium, i, order)), order)
-    where = _let_go(branch, i, known.parameter, other.parameter)
+    where = let_go(branch, i, known.parameter, other.parameter)
     if where is None:
-        where = bracketed(lambda parameter: _pressing(branch.at(parameter), i), known.parameter, other.parameter)
+        where = bracketed(lambda parameter: pressing(branch.at(parameter), i), known.parameter, other.parameter)
     there = branch.at(where)
     if not survey(setting, there.obstacle, there.state).clear:
         raise NoEquilibriumError("something else touches before")
     return joined(setting, path, Along(where, there), other, order)
 
 
-def _let_go(branch: Branch, i: int, start: float, stop: float) -> float | None:
+def let_go(branch: Branch, i: int, start: float, stop: float) -> float | None:
     """Where a contact's multiplier vanishes, by Newton's method on its rate; None where that leaves the step."""
     at, way = start, stop - start
     for _ in range(_ROUNDS):
@@ -194,7 +194,7 @@ def _let_go(branch: Branch, i: int, start: float, stop: float) -> float | None:
             rate = float(equilibrium.tangent()[1][_row(equilibrium, i)])
         except (NoEquilibriumError, np.linalg.LinAlgError):
             return None  # the bracket is searched instead
-        step = -_pressing(equilibrium, i) / rate if rate else np.inf
+        step = -pressing(equilibrium, i) / rate if rate else np.inf
         if abs(step) <= SHARP * abs(way):
             return at
         at += step
@@ -203,7 +203,7 @@ def _let_go(branch: Branch, i: int, start: float, stop: float) -> float | None:
     return None
 
 
-def _pressing(equilibrium: Equilibrium, i: int) -> float:
+def pressing(equilibrium: Equilibrium, i: int) -> float:
     """The multiplier of a contact: 0 where it is released, or was not yet touched."""
     return float(equilibrium.state.multipliers[_row(equilibrium, i)])
 
