@@ -9,18 +9,16 @@ from dataclasses import replace
 from gripper.assemble import first_order, left_out, setting
 from gripper.contact.kinematics import Kinematics, Placement, Retreat
 from gripper.contact.obstacle import Frame
+from gripper.motion.approach import approach
 from gripper.motion.locked import LockedError
 from gripper.motion.tracker import tracker_for
 from gripper.result import Model, PoseResult, Result
 from gripper.results.extremes import Extreme
 from gripper.scene import Scene
 from gripper.statics.answer import Answer, pose_result
-from gripper.statics.certificate import survey
 from gripper.statics.equilibrium import NoEquilibriumError, Setting, reckoned
 from gripper.statics.ladder import rungs, suffices, theory_difference
-from gripper.statics.newton import unloaded
 from gripper.statics.validity import plane_difference, unknown_between, unmoved, warnings
-from gripper.statics.verified import Verified, stability, untouched
 
 NOT_MODELLED = (
     "deformation of the section and of the surface at the contact",
@@ -31,9 +29,6 @@ NOT_MODELLED = (
 UNLOADING = "unloading on another curve (Mullins' effect, plastic set)"
 AXIAL = "how the axial force stiffens sections of a nonlinear material (theory stretch has it)"
 FLUTTER = "flutter: loads that follow the finger may shake it before they turn it over; statics do not tell"
-HELD = "the object holds the finger"
-"""How the reason of a pose begins to which no free pose leads."""
-_FURTHEST = 20.0  # of L: beyond this no retreat is tried
 PUBLISHED = "equilibrium with friction: the paper's approximation, its frictionless shape with forces split afterwards"
 
 
@@ -74,50 +69,6 @@ def numbers(scene: Scene, fixed: Setting, answer: Answer, parameter: float | Non
     from gripper.statics.splitting import split
 
     return split(fixed, Law.of(scene.friction, fixed.outline, fixed.sections.length), answer, placement, pose)
-
-
-def approach(fixed: Setting, final: Frame, direction: tuple[float, float], order: int) -> tuple[Answer, int]:
-    """The equilibrium that is reached when the object comes along a direction from where it is free.
-
-    Parameters
-    ----------
-    fixed
-        Finger, theory, object.
-    final
-        Where the object comes to.
-    direction
-        Of its coming, in the clamp's frame.
-    order
-        Order of the strain fields to start with.
-
-    Returns
-    -------
-    The answer at the pose, and the order of the strain fields that it needed.
-
-    Raises
-    ------
-    NoEquilibriumError
-        Where no retreat frees the finger, or no equilibrium could be followed on the way back.
-    """
-    unit = complex(*direction) / abs(complex(*direction))
-    path = Retreat(final, unit)
-    # a little less than the tracker's first step may be, so that one step suffices
-    pace = min(max(0.49 * fixed.body.inner_radius / fixed.sections.length, 0.01), 0.098)
-    back = 0.0
-    while True:
-        free = unloaded(fixed, fixed.obstacle(path.frame(-back)), order)
-        found = survey(fixed, free.obstacle, free.state, brief=True)
-        start = Verified(free, found, stability(free))
-        if untouched(fixed, start):
-            break
-        if back > _FURTHEST:
-            raise NoEquilibriumError(
-                f"{HELD} however far it retreats against {direction}: "
-                "give another direction in [approach], or a motion that starts from a free pose"
-            )
-        back += max(pace, -found.min_gap)
-    tracker = tracker_for(fixed)(fixed, path, -back, order, events=False, free=start)
-    return tracker.advance(0.0), tracker.order
 
 
 def _approached(scene: Scene, fixed: Setting, frame: Frame) -> Answer:

@@ -9,6 +9,7 @@ from dataclasses import replace
 from gripper.assemble import first_order, setting
 from gripper.beam.strains import BeamTheory
 from gripper.contact.kinematics import Kinematics
+from gripper.motion.approach import approach
 from gripper.motion.branch import Along
 from gripper.motion.events import STRUT
 from gripper.motion.located import Course, measures, ways
@@ -19,7 +20,7 @@ from gripper.result import Checks, Event, PoseResult, Result
 from gripper.results.extremes import Extreme, Extremes
 from gripper.results.loop import Loop
 from gripper.scene import Scene
-from gripper.solve import approach, model, numbers
+from gripper.solve import model, numbers
 from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, reckoned
 from gripper.statics.ladder import rungs, suffices
 

@@ -11,13 +11,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import gripper as gr
+from gripper.assemble import setting
+from gripper.contact.kinematics import Kinematics, Retreat
+from gripper.motion.approach import approach, retreated
+from gripper.motion.tracker import Tracker
+from gripper.statics.answer import Answer
+from gripper.study.cases import Case, random
 from gripper_plugins.fingers.tapered import Tapered
 from gripper_plugins.fingers.uniform import Uniform
 from gripper_plugins.jaws.triangle import Triangle
 from gripper_plugins.objects.circle import Circle
 from gripper_plugins.objects.ellipse import Ellipse
 from gripper_plugins.objects.polygon import Polygon
-from tests.scenes import EXACT, Q, unit_finger
+from tests.scenes import EXACT, Q, rotating_finger, unit_finger
 
 TABLE = EXACT[
     "uniform finger on a circle, EI = 1, L = 1, no shear, w = 0.06, R = 0.25, centre (X0, Y0), approached from the -y "
@@ -324,3 +330,30 @@ def test_a_uniform_finger_is_a_tapered_one_without_taper() -> None:
     other = Tapered(length=1.0, base_thickness=0.1, tip_thickness=0.1, width=0.5, material=material)
     place = Circle(radius=0.2).at(x=0.6, y=-0.1)
     assert_same(*(answer(gr.Scene(finger=finger, object=place)) for finger in (one, other)))
+
+
+def ways(scene: gr.Scene, place: float) -> tuple[Answer, Answer]:
+    """The pose of a motion leapt to, and gone to step by step, the object coming from below."""
+    fixed = setting(scene)
+    final = Kinematics(scene, fixed.sections.length).frame(place)
+    path = Retreat(final, 1j)
+    (free, start), _ = retreated(fixed, path, 4)
+    walked = Tracker(fixed, path, free, 4, events=False, free=start).advance(0.0)
+    return approach(fixed, final, (0.0, 1.0), 4)[0], walked
+
+
+SMOOTH = [case for case in random(60, seed=11) if case.built and case.body.kind != "polygon"]
+
+
+@pytest.mark.parametrize("case", SMOOTH[:12], ids=lambda case: case.name)
+def test_a_pose_leapt_to_is_that_reached_step_by_step(case: Case) -> None:
+    leapt, walked = (answer.verified.equilibrium for answer in ways(case.moving((0.0, 1.0)), 1.0))
+    assert leapt.force == pytest.approx(walked.force, rel=1e-6, abs=1e-12)
+    assert leapt.state.energy == pytest.approx(walked.state.energy, rel=1e-6, abs=1e-12)
+
+
+@pytest.mark.parametrize("x_e", [-0.1016, -0.0254, 0.0127])
+def test_the_rotating_finger_is_leapt_to_in_less_than_half_of_newton_s_steps(x_e: float) -> None:
+    leapt, walked = ways(rotating_finger(x_e), x_e)
+    assert leapt.iterations < walked.iterations / 2
+    assert leapt.verified.equilibrium.force == pytest.approx(walked.verified.equilibrium.force, rel=1e-7)

@@ -366,6 +366,11 @@ class Tracker:
         self.changes.append(Change(self.parameter, "snap", STRUT if on_end else _LEAVES))
         self.parameter, self.current, self._trail = following, found, []
 
+    def arrive(self, parameter: float, found: Verified) -> Answer:
+        """Take an equilibrium that was found at a value of the parameter for the one that is followed."""
+        self.parameter, self.current, self.iterations = parameter, found, found.equilibrium.iterations
+        return self._refined()
+
     def _refined(self) -> Answer:
         """The current equilibrium with its error estimate, of an order that meets the tolerance."""
         error = discretisation_error(self.setting, self.current.equilibrium)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -26,7 +27,7 @@ _TIP = 0.1  # of L: a contact this near to the tip may be the corner's
 
 def active_sets(
     setting: Setting, problem: Problem, x: Array, multipliers: Array
-) -> list[tuple[tuple[Site, ...], Array]]:
+) -> Iterator[tuple[tuple[Site, ...], Array]]:
     """The sets of contacts that SLSQP's answer may mean, the likeliest first."""
     gaps = problem.gaps(x) / setting.sections.length
     load = multipliers * problem.scale**2 / problem.gap_scale
@@ -38,9 +39,13 @@ def active_sets(
         if active and gap < 1e-3:
             chosen.append((_resolved(setting, site, candidate), float(force)))
     if not chosen:
-        return [((), np.empty(0))] if np.all(gaps > -DEPTH) else []
+        if np.all(gaps > -DEPTH):
+            yield (), np.empty(0)
+        return
     merged = _merged(chosen)
-    return _alternatives(setting, merged) + _flush(setting, problem, x, merged)
+    yield _as_set(merged)
+    yield from _alternatives(setting, merged)
+    yield from _flush(setting, problem, x, merged)
 
 
 def _resolved(setting: Setting, site: Site, candidate: Candidate) -> Site:
@@ -69,9 +74,8 @@ def _merged(chosen: list[tuple[Site, float]]) -> list[tuple[Site, float]]:
     return out
 
 
-def _alternatives(setting: Setting, contacts: list[tuple[Site, float]]) -> list[tuple[tuple[Site, ...], Array]]:
-    """The set as found; near the tip also the corner alone, and a patch that ends in the corner."""
-    sets = [contacts]
+def _alternatives(setting: Setting, contacts: list[tuple[Site, float]]) -> Iterator[tuple[tuple[Site, ...], Array]]:
+    """Near the tip also the corner alone, and a patch that ends in the corner."""
     for face in (LOWER, UPPER):
         number = setting.outline.tip_corner(face)
         at_tip = [c for c in contacts if _near_tip(c[0], face) or c[0].piece == number]
@@ -80,28 +84,26 @@ def _alternatives(setting: Setting, contacts: list[tuple[Site, float]]) -> list[
         rest = [c for c in contacts if c not in at_tip]
         force = sum(f for _, f in at_tip)
         corner = Site("corner", number, ())
-        sets.append([*rest, (corner, force)])
+        yield _as_set([*rest, (corner, force)])
         if setting.theory != "bending":
             start = min([c[0].place[0] for c in at_tip if c[0].place] + [1 - 10 * PATCH])
             tail = Site("tail", face, (start, 1.0), modes=NARROW)
-            sets.append([*rest, (tail, force / 2), (corner, force / 2)])
+            yield _as_set([*rest, (tail, force / 2), (corner, force / 2)])
             last = max([c[0].place[0] for c in at_tip if c[0].place] + [start])
             patch = Site("patch", face, (2 * last - _END, _END), modes=NARROW)  # the corner lets go
-            sets.append([*rest, (patch, force)])
+            yield _as_set([*rest, (patch, force)])
     if any(site.kind == "tangent" for site, _ in contacts):
         held = [(replace(s, kind="node") if s.kind == "tangent" else s, force) for s, force in contacts]
-        sets.append(held)  # where finger and object conform, a tangent's place is not determined
-    return [_as_set(chosen) for chosen in sets]
+        yield _as_set(held)  # where finger and object conform, a tangent's place is not determined
 
 
 def _flush(
     setting: Setting, problem: Problem, x: Array, contacts: list[tuple[Site, float]]
-) -> list[tuple[tuple[Site, ...], Array]]:
+) -> Iterator[tuple[tuple[Site, ...], Array]]:
     """Where a face lies on a flat, shear spreads its force from the first touch on, as far as the tip's corner."""
-    out = []
     faces = [c for c in contacts if c[0].kind == "tangent" and c[0].on_face]
     if setting.theory == "bending" or not faces:
-        return []
+        return
     for chosen in faces:
         site, force = chosen
         decay = decay_length(setting, site.place[0])
@@ -116,9 +118,8 @@ def _flush(
         to_tip = flat_until(setting, problem.obstacle, problem.state(x), site, 1.0) == 1
         if to_tip and corner is not None and all(c[0].piece != corner for c in rest):
             share = force * float(np.exp(-(1 - tail.place[0]) / decay))
-            out.append(_as_set([*rest, (tail, force - share), (Site("corner", corner, ()), share)]))
-        out.append(_as_set([*rest, (tail, force)]))
-    return out
+            yield _as_set([*rest, (tail, force - share), (Site("corner", corner, ()), share)])
+        yield _as_set([*rest, (tail, force)])
 
 
 def _near_tip(site: Site, face: int) -> bool:

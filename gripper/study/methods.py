@@ -14,10 +14,11 @@ from gripper.arrays import Array
 from gripper.assemble import assemble, first_order, setting
 from gripper.contact.kinematics import Kinematics
 from gripper.contact.linear import linearise
+from gripper.motion.approach import approach
 from gripper.motion.tracker import Tracker
 from gripper.pose import placed
 from gripper.scene import Motion, Scene
-from gripper.solve import approach, solve
+from gripper.solve import solve
 from gripper.statics.certificate import survey
 from gripper.statics.equilibrium import NoEquilibriumError, Setting, State
 from gripper.statics.nearby import near

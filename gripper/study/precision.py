@@ -11,8 +11,8 @@ import numpy as np
 
 from gripper.assemble import first_order, setting
 from gripper.contact.kinematics import Kinematics
+from gripper.motion.approach import approach
 from gripper.scene import Scene
-from gripper.solve import approach
 from gripper.statics.equilibrium import NoEquilibriumError
 from gripper.study.cost import repeated, shifted, single_pose, start_up
 from gripper.study.methods import Method, methods
