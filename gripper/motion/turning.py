@@ -48,7 +48,9 @@ def changed(
     if lost[0] == won[0] == "vertex" and lost[1] == won[1]:
         return _rolled(setting, path, poses, won, order, located=located)
     if "corner" not in (lost[0], won[0]) and lost[0] != won[0]:
-        return _turned(setting, path, (old, new) if lost[0] == "vertex" else (new, old), (lost, won), order)
+        return _turned(
+            setting, path, (old, new) if lost[0] == "vertex" else (new, old), (lost, won), order, new.parameter
+        )
     if lost[0] != "corner":
         return _departed(setting, path, old, new, (lost, won), order)
     if won[0] != "corner" and not any(site.kind == "tail" for site in old.equilibrium.state.sites):
@@ -131,15 +133,25 @@ def rolled_apart(old: Along, new: Along) -> float:
 
 
 def _turned(
-    setting: Setting, path: Path, pair: tuple[Along, Along], contact: tuple[Feature, Feature], order: int
+    setting: Setting, path: Path, pair: tuple[Along, Along], contact: tuple[Feature, Feature], order: int, end: float
 ) -> float:
-    """Where a face that turns about a corner of the object comes down on the side beside it."""
+    """Where a face that turns about a corner of the object comes down on the side beside it.
+
+    Where it passes other corners within the step, it is the step's end.
+    """
     at_corner, beside = pair
     corner, side = contact if contact[0][0] == "vertex" else contact[::-1]
-    branch, i = Branch(setting, path, at_corner, order), number(at_corner, corner)
     known = beside.equilibrium
-    away = known.linear.points[number(beside, side)].mean() - known.obstacle.corners[corner[2]]
-    beginning = known.obstacle.corners[corner[2]] + away / abs(away) * _BESIDE
+    at, touched = known.obstacle.corners[corner[2]], complex(known.linear.points[number(beside, side)].mean())
+    if float(known.obstacle.gap(np.array([(at + touched) / 2]))[0]) < -_SKIPPED:  # it is another corner's side
+        alone = replace(at_corner, equilibrium=strongest_alone(setting, at_corner.equilibrium, order))
+        held = Branch(setting, path, alone, order).at(beside.parameter)
+        if distance(held.state, known.state) > rolled_apart(at_corner, beside):
+            raise NoEquilibriumError("the step leads to another branch")
+        return end
+    branch, i = Branch(setting, path, at_corner, order), number(at_corner, corner)
+    away = touched - at
+    beginning = at + away / abs(away) * _BESIDE
     slope = complex(known.obstacle.slope(np.array([beginning]))[1][0]) / np.exp(1j * known.obstacle.frame.angle)
 
     def turn(parameter: float) -> float:

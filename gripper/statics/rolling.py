@@ -7,6 +7,7 @@ has sunk comes in and one that would have to pull goes.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -25,6 +26,7 @@ from gripper.statics.newton import settle
 NEAR = 0.15
 """Of L: how far along a face an object rolls in a step."""
 _ROLLS = 8
+_LOOKS = 17  # at a side between two corners
 _FEET = 4  # Newton steps to the feet of normals
 _SETTLED = 1e-4  # of L: what such a step changes of a height is its square
 
@@ -72,6 +74,8 @@ def _next(setting: Setting, equilibrium: Equilibrium, tried: set[frozenset[tuple
     """The state with another set of corners, none that was tried; None where all is well or nothing new is left."""
     state = equilibrium.state
     corners = [i for i, site in enumerate(state.sites) if site.kind == "vertex"]
+    if not corners:
+        return None
     weakest = min(corners, key=lambda i: float(state.loads[i][0]))
     if state.loads[weakest][0] < 0 and len(neighbours(state.sites, weakest, NEAR)) > 1:
         less = state.keeping([i != weakest for i in range(len(state.sites))])
@@ -86,6 +90,28 @@ def _next(setting: Setting, equilibrium: Equilibrium, tried: set[frozenset[tuple
         for choice in (passed, both) if alone else (both,):
             if _named(choice.sites) not in tried:
                 return choice
+    side = _between(setting, equilibrium)
+    return None if side is None or _named(side.sites) in tried else side
+
+
+def _between(setting: Setting, equilibrium: Equilibrium) -> State | None:
+    """The state that touches the side between two corners where both carry and the side has sunk in between them."""
+    state = equilibrium.state
+    order = sorted(range(len(state.sites)), key=lambda i: (state.sites[i].piece, state.sites[i].place))
+    for i, j in itertools.pairwise(order):
+        one, other = state.sites[i], state.sites[j]
+        if one.kind != "vertex" or j not in neighbours(state.sites, i, NEAR):
+            continue
+        u = np.linspace(one.place[0], other.place[0], _LOOKS)
+        segment = state.beam.segment_of(u) if one.on_face else np.full(u.size, state.beam.segments - 1)
+        points, *_ = setting.outline.trace(state.axis, np.full(u.size, one.piece), u, segment)
+        gaps = equilibrium.obstacle.gap(points)
+        if gaps.min() < -DEPTH / 2:
+            touch = Site("tangent", one.piece, (float(u[np.argmin(gaps)]),))
+            rest = [k for k in range(len(state.sites)) if k not in (i, j)]
+            loads = [*(state.loads[k] for k in rest), state.loads[i] + state.loads[j]]
+            sites = (*(state.sites[k] for k in rest), touch)
+            return replace(state, sites=sites, multipliers=np.concatenate(loads))
     return None
 
 
