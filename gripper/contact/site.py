@@ -9,7 +9,8 @@ A contact's place is an unknown of its own and moves between nodes. Its kinds:
 ``patch``    with shear, a smooth object is touched over [a, b], because gamma drops to zero behind a force: the
              pressure is a polynomial, the gap's moments against it vanish, and so does the gap at both ends;
 ``tail``     a patch whose far end is known: the tip, where the tip's corner carries the rest, or, where the finger lies
-             flush on a flat, a place so far that the pressure has decayed.
+             flush on a flat, the object's corner that the flat ends in (and that carries the rest), or a place so far
+             that the pressure has decayed. How the far end moves changes nothing to first order: the pressure is 0.
 
 Where gamma jumps at a concentrated force, "the" tangent of the face is the mean of both sides: this is what makes
 the energy stationary in the place of the force (configurational balance).
@@ -115,6 +116,17 @@ def pressure_rule(modes: int, order: int) -> tuple[Array, Array]:
     halves = np.diff(ends)[:, None] / 2
     x, weights = (ends[:-1, None] + halves * (x + 1)).ravel(), (halves * weights).ravel()
     return x, legendre(x, modes).T * weights / 2
+
+
+def tied(sites: tuple[Site, ...]) -> tuple[Site, ...]:
+    """The same with the far ends of tails at the object's corners that they run up to: the foot of its normal moves."""
+    feet = {(site.piece, site.vertex): site.place[0] for site in sites if site.kind == "vertex"}
+    found = list(sites)
+    for i, site in enumerate(sites):
+        end = feet.get((site.piece, site.vertex)) if site.kind == "tail" else None
+        if end is not None:
+            found[i] = replace(site, place=(site.place[0], end))
+    return tuple(found)
 
 
 def pointed(site: Site) -> Site:

@@ -30,7 +30,7 @@ from gripper.statics.certificate import DEPTH, Survey, survey
 from gripper.statics.clearance import clearance
 from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, reckoned
 from gripper.statics.newton import unloaded
-from gripper.statics.patches import settle_contacts
+from gripper.statics.settling import settle_contacts
 from gripper.statics.snap import descend, distance
 from gripper.statics.steps import extrapolated, predicted
 from gripper.statics.verified import Verified, stability, untouched, verify

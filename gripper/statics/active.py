@@ -14,8 +14,8 @@ from gripper.statics.certificate import Survey, survey
 from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, anchored
 from gripper.statics.nearby import near
 from gripper.statics.newton import settle
-from gripper.statics.patches import settle_contacts
 from gripper.statics.problem import Problem
+from gripper.statics.settling import settle_contacts
 from gripper.statics.verified import PULL, Verified, verify
 
 _ROUNDS = 5

@@ -31,7 +31,7 @@ from gripper.beam.strains import Beam, BeamTheory
 from gripper.contact.obstacle import Frame, Obstacle
 from gripper.contact.outline import Outline
 from gripper.contact.rows import Linearisation
-from gripper.contact.site import Site
+from gripper.contact.site import Site, tied
 from gripper.objects import Object
 from gripper.statics.acting import Acting
 from gripper.statics.compiled_loads import Loads
@@ -146,7 +146,7 @@ class State:
             sites.append(site.moved(places[first:last]))
             first = last
         grip = sites[0].grip if sites else None
-        return replace(self, sites=grip.law.shared(tuple(sites)) if grip else tuple(sites))
+        return replace(self, sites=grip.law.shared(tuple(sites)) if grip else tied(tuple(sites)))
 
     @property
     def loads(self) -> list[Array]:

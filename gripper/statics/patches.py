@@ -7,15 +7,11 @@ from dataclasses import replace
 import numpy as np
 
 from gripper.beam.strains import legendre
-from gripper.contact.linear import linearise
 from gripper.contact.obstacle import Obstacle
 from gripper.contact.site import NARROW, WIDE, Site
-from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, State
-from gripper.statics.newton import settle
-from gripper.statics.rolling import rolled_ahead, rolled_on
+from gripper.statics.equilibrium import Equilibrium, Setting, State
 
 PATCH = 2e-5  # of L: narrower patches are points (the mean tangent's error falls with the square of the width)
-_POINTLIKE = 5 * PATCH
 FLUSH = 2.0  # of sqrt(EI / GA): where a patch would be wider, the finger lies flush on a flat
 _WIDTHS = (
     (0.3, NARROW),
@@ -53,7 +49,7 @@ def fit_patches(setting: Setting, equilibrium: Equilibrium) -> tuple[Site, ...]:
             site = replace(site, kind="tangent", place=(site.middle,), modes=1)
         elif site.kind in ("patch", "tail"):
             flat = site.kind == "tail" and lies_flat(setting, equilibrium.obstacle, equilibrium.state, site)
-            site = _reaching(setting, equilibrium, site) if flat else site
+            site = _reaching(setting, equilibrium, site) if flat and site.vertex < 0 else site
             modes, fewer = (pressure_modes(setting, site, flat=flat, slack=slack) for slack in (1.0, _LOOSE))
             if modes > site.modes or fewer < site.modes:  # down later than up
                 site = replace(site, modes=modes)
@@ -142,50 +138,3 @@ def spread(force: float, site: Site) -> list[float]:
     decaying = np.exp(-DECAYED * (x + 1) / 2)
     modes = (2 * np.arange(site.modes) + 1) * (legendre(x, site.modes).T @ (weights * decaying))
     return [float(value) for value in force * modes / modes[0]]
-
-
-def settle_contacts(
-    setting: Setting, obstacle: Obstacle, state: State, order: int, *, judged: bool = False
-) -> Equilibrium:
-    """Settle, and again where the object rolls on to another corner, a point must become a patch or a patch a point.
-
-    With ``judged`` for an estimate of the error (:func:`gripper.statics.newton.settle`).
-
-    Raises
-    ------
-    NoEquilibriumError
-        Where Newton does not converge.
-    """
-    foreseen = rolled_ahead(setting, obstacle, _foreseen(setting, obstacle, state))
-    try:
-        found = settle(setting, obstacle, foreseen, order, judged=judged)
-    except NoEquilibriumError:
-        if foreseen is state:
-            raise
-        found = settle(setting, obstacle, state, order, judged=judged)
-    found = rolled_on(setting, found, order)
-    sites = fit_patches(setting, found)
-    if sites == found.state.sites:
-        return found
-    try:
-        again = settle(setting, obstacle, with_sites(found.state, sites), order, judged=judged)
-    except NoEquilibriumError:
-        if any(old.kind != new.kind and not _pointlike(new) for old, new in zip(found.state.sites, sites, strict=True)):
-            raise
-        return found  # a patch so narrow that Newton's method does not find its ends: a point is as good
-    total = found.iterations + again.iterations
-    return replace(again, iterations=total, correction=found.correction + again.correction)
-
-
-def _pointlike(site: Site) -> bool:
-    """Whether a patch is so narrow that the mean tangent of a point is as good."""
-    return site.kind == "patch" and site.place[1] - site.place[0] < _POINTLIKE
-
-
-def _foreseen(setting: Setting, obstacle: Obstacle, state: State) -> State:
-    """Points on faces as the short patches that they are going to be, so that Newton need not find the points first."""
-    if setting.theory == "bending" or not any(s.kind == "tangent" and s.on_face for s in state.sites):
-        return state
-    lin = linearise(state.beam, state.z, setting.outline, obstacle, state.sites, state.multipliers, kinks=False)
-    sites = fit_patches(setting, Equilibrium(state, obstacle, lin, 0))
-    return with_sites(state, sites) if all(site.kind != "tail" for site in sites) else state

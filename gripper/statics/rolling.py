@@ -22,10 +22,13 @@ from gripper.contact.site import Site
 from gripper.statics.certificate import DEPTH
 from gripper.statics.equilibrium import Equilibrium, Setting, State
 from gripper.statics.newton import settle
+from gripper.statics.patches import decay_length, pressure_modes, spread
 
 NEAR = 0.15
 """Of L: how far along a face an object rolls in a step."""
 _ROLLS = 8
+_FLUSH = 0.8  # of sqrt(EI / GA): where Newton's method starts from
+_SIDE = 2.0  # of sqrt(EI / GA): how far a side is looked at
 _LOOKS = 17  # at a side between two corners
 _FEET = 4  # Newton steps to the feet of normals
 _SETTLED = 1e-4  # of L: what such a step changes of a height is its square
@@ -90,7 +93,7 @@ def _next(setting: Setting, equilibrium: Equilibrium, tried: set[frozenset[tuple
         for choice in (passed, both) if alone else (both,):
             if _named(choice.sites) not in tried:
                 return choice
-    side = _between(setting, equilibrium)
+    side = _between(setting, equilibrium) or _before(setting, equilibrium)
     return None if side is None or _named(side.sites) in tried else side
 
 
@@ -102,17 +105,59 @@ def _between(setting: Setting, equilibrium: Equilibrium) -> State | None:
         one, other = state.sites[i], state.sites[j]
         if one.kind != "vertex" or j not in neighbours(state.sites, i, NEAR):
             continue
-        u = np.linspace(one.place[0], other.place[0], _LOOKS)
-        segment = state.beam.segment_of(u) if one.on_face else np.full(u.size, state.beam.segments - 1)
-        points, *_ = setting.outline.trace(state.axis, np.full(u.size, one.piece), u, segment)
-        gaps = equilibrium.obstacle.gap(points)
-        if gaps.min() < -DEPTH / 2:
+        u, gaps = _gaps(setting, equilibrium, one, (one.place[0], other.place[0]))
+        if gaps.min() >= -DEPTH / 2:
+            continue
+        forces = float(state.loads[i][0]), float(state.loads[j][0])
+        if setting.theory == "bending":
             touch = Site("tangent", one.piece, (float(u[np.argmin(gaps)]),))
-            rest = [k for k in range(len(state.sites)) if k not in (i, j)]
-            loads = [*(state.loads[k] for k in rest), state.loads[i] + state.loads[j]]
-            sites = (*(state.sites[k] for k in rest), touch)
-            return replace(state, sites=sites, multipliers=np.concatenate(loads))
+            return _instead(state, (i, j), [(touch, [sum(forces)])])
+        return _instead(state, (i, j), _flush(setting, other, sum(forces), other.place[0] - one.place[0]))
     return None
+
+
+def _before(setting: Setting, equilibrium: Equilibrium) -> State | None:
+    """With shear, the state that lies flush on the side before a corner that carries, where that side has sunk in."""
+    state = equilibrium.state
+    tails = {(site.piece, site.vertex) for site in state.sites if site.kind == "tail"}
+    for i, site in enumerate(state.sites):
+        if setting.theory == "bending" or site.kind != "vertex" or not site.on_face:
+            continue
+        near = max(site.place[0] - _SIDE * decay_length(setting, site.place[0]), 0.0)
+        sunk = (site.piece, site.vertex) not in tails and _gaps(setting, equilibrium, site, (near, site.place[0]))[1]
+        if np.min(sunk) < -DEPTH / 2:
+            return _instead(state, (i,), _flush(setting, site, float(state.loads[i][0]), np.inf))
+    return None
+
+
+def _gaps(setting: Setting, equilibrium: Equilibrium, site: Site, ends: tuple[float, float]) -> tuple[Array, Array]:
+    """Places along a stretch of the site's piece, and the gaps there."""
+    beam, u = equilibrium.state.beam, np.linspace(*ends, _LOOKS)
+    segment = beam.segment_of(u) if site.on_face else np.full(u.size, beam.segments - 1)
+    points, *_ = setting.outline.trace(equilibrium.state.axis, np.full(u.size, site.piece), u, segment)
+    return u, equilibrium.obstacle.gap(points)
+
+
+def _instead(state: State, gone: tuple[int, ...], come: list[tuple[Site, list[float]]]) -> State:
+    """The state with other contacts in the place of some, with their multipliers."""
+    rest = [k for k in range(len(state.sites)) if k not in gone]
+    loads = [*(state.loads[k] for k in rest), *(np.array(load) for _, load in come)]
+    sites = (*(state.sites[k] for k in rest), *(site for site, _ in come))
+    return replace(state, sites=sites, multipliers=np.concatenate(loads))
+
+
+def _flush(setting: Setting, corner: Site, force: float, side: float) -> list[tuple[Site, list[float]]]:
+    """Contacts of a face that lies flush up to a corner of the object, with their multipliers: a first guess.
+
+    Over the flush length h the shear force falls to the corner's as cosh(h / l), l = sqrt(EI / GA); Newton's method
+    finds h from far away.
+    """
+    decay, end = decay_length(setting, corner.place[0]), corner.place[0]
+    length = min(_FLUSH * decay, side / 2, end / 2)
+    tail = replace(corner, kind="tail", place=(end - length, end))
+    tail = replace(tail, modes=pressure_modes(setting, tail, flat=True))
+    left = force / float(np.cosh(length / decay))
+    return [(tail, spread(force - left, tail)), (corner, [left])]
 
 
 def strongest_alone(setting: Setting, equilibrium: Equilibrium, order: int) -> Equilibrium:
