@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from dataclasses import replace
 from functools import cache
 
@@ -30,6 +31,7 @@ from tests.scenes import STRAIGHT, Q, unit_finger
 
 FINGER = unit_finger()  # EI = 1, L = 1
 HALF = 0.03  # of its thickness
+H = 2e-5  # step of differences
 BLOCK = Polygon(vertices=((-0.1, -0.1), (0.1, -0.1), (0.1, 0.0), (-0.1, 0.0)))
 NEEDLE = Polygon(vertices=((-0.0005, -0.3), (0.0005, -0.3), (0.0, 0.0)))
 both_theories = pytest.mark.parametrize("theory", ["bending", "shear"])
@@ -324,6 +326,71 @@ def test_a_polygon_of_500_sides_presses_like_its_circle(theory: str) -> None:
     """Its sides are as short as the stretch over which shear spreads a force."""
     sides = Polygon(vertices=tuple(map(tuple, (0.25 * np.column_stack([np.cos(MANY), np.sin(MANY)])).tolist())))
     assert_same(answer(sides, 0.7, -0.15, theory=theory), answer(Circle(radius=0.25), 0.7, -0.15, theory=theory), 5e-3)
+
+
+# ---- A polygon rolls along a face: from corner to corner, over its sides, and with shear flush on one of them.
+
+POSES = {  # radius, place and turn of a polygon of so many sides
+    "a side between two corners": ("bending", 0.306, 0.636, -0.256, 0.946, 96),
+    "flush beside a corner": ("shear", 0.1471, 0.4579, -0.0813, 0.514, 16),
+    "flush beside a corner, over most of a side": ("shear", 0.3259, 0.577, -0.2392, 5.7099, 32),
+    "flush from corner to corner": ("shear", 0.1494, 0.5934, -0.064, 5.6872, 32),
+    "two of 500 corners": ("shear", 0.25, 0.6, -0.1, 0.0, 500),
+}
+
+
+@pytest.mark.parametrize("name", POSES)
+def test_a_polygon_that_rolls_pushes_with_the_slope_of_the_energy(name: str) -> None:
+    theory, radius, x, y, angle, n = POSES[name]
+    body = Polygon(vertices=ring(n, a=radius, b=radius))
+
+    def at(dx: float, dy: float) -> gr.PoseResult:
+        return answer(body, x + dx, y + dy, angle, theory=theory, tolerance=1e-6)
+
+    slope = [(at(-H, 0).energy - at(H, 0).energy) / (2 * H), (at(0, -H).energy - at(0, H).energy) / (2 * H)]
+    assert at(0, 0).force_on_object == pytest.approx(slope, abs=2e-5)
+
+
+@pytest.mark.parametrize("name", ["flush beside a corner", "flush beside a corner, over most of a side"])
+def test_with_shear_the_force_falls_as_cosh_along_a_side_that_ends_in_a_corner(name: str) -> None:
+    """Timoshenko's beam on a flat: GA gamma'' = gamma GA^2 / EI, gamma' = 0 at the end, where no moment is left."""
+    theory, radius, x, y, angle, n = POSES[name]
+    pose = answer(Polygon(vertices=ring(n, a=radius, b=radius)), x, y, angle, theory=theory)
+    (contact,) = pose.contacts
+    found = pose.kept.equilibrium
+    length, shear = contact.extent[1] - contact.extent[0], float(found.state.beam.sections.GA(np.zeros(1))[0])
+    corner = abs(complex(found.linear.forces[-1].sum()))
+    assert corner * math.cosh(length * math.sqrt(shear)) == pytest.approx(contact.normal_force, rel=1e-2)
+
+
+@both_theories
+def test_a_500_gon_costs_at_most_4_times_its_circle_at_a_dozen_random_places(theory: str) -> None:
+    """Function calls, which do not depend on what else the machine does; gallery/many_sides.py measures CPU time."""
+    draw = np.random.default_rng(500).uniform
+    for _ in range(12):
+        radius, x, depth, angle = draw(0.08, 0.35), draw(0.35, 0.95), draw(0.01, 0.12), draw(0.0, 6.28)
+        place = {"x": x, "y": depth - HALF - radius, "angle": angle}
+        bodies = Circle(radius=radius), Polygon(vertices=ring(500, a=radius, b=radius))
+        circle, polygon = (calls(gr.Scene(finger=FINGER, object=body.at(**place), theory=theory)) for body in bodies)
+        assert polygon <= 4 * circle, place
+
+
+def calls(scene: gr.Scene) -> int:
+    """How many functions one more solution calls; the pose is answered."""
+    gr.solve(scene)
+    count = 0
+
+    def note(frame: object, event: str, argument: object) -> None:
+        nonlocal count
+        count += event in ("call", "c_call")
+
+    sys.setprofile(note)
+    try:
+        result = gr.solve(scene)
+    finally:
+        sys.setprofile(None)
+    assert not result.failed
+    return count
 
 
 @both_theories

@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 
 from gripper.contact.outline import Outline
-from gripper.contact.site import Site
+from gripper.contact.site import Site, corners_of
 
 Feature = tuple[Literal["flank", "corner", "vertex"], int, int, int]
 """Its kind, the piece of the outline, the object's corner (or -1), and which one of these along the piece."""
@@ -35,7 +35,7 @@ def features(sites: tuple[Site, ...]) -> dict[Feature, int]:
     last = -1
     for i in sorted(range(len(sites)), key=lambda i: (sites[i].piece, sites[i].place)):
         site = sites[i]
-        if site.kind == "tail":
+        if site.kind in ("tail", "span"):
             continue
         key = _KINDS.get(site.kind, "flank"), site.piece, site.vertex
         if last < 0 or not conform(sites[last], site):
@@ -96,10 +96,13 @@ def _nearest(one: Sequence[float], other: Sequence[float]) -> list[tuple[int, in
 
 
 def neighbours(sites: Sequence[Site], i: int, reach: float = _TOGETHER) -> list[int]:
-    """A corner of the object on a piece, and the others within reach (by L) of it there."""
+    """A corner of the object on a piece, and the others within reach (by L) of it there, or with pressure up to it."""
     own = sites[i]
+    if own.kind != "vertex":
+        return [i]
+    linked = [pair for pair in (corners_of(sites, j) for j in range(len(sites))) if i in pair]
     mine = [j for j, site in enumerate(sites) if (site.kind, site.piece) == (own.kind, own.piece)]
-    return [j for j in mine if abs(sites[j].middle - own.middle) < reach] if own.kind == "vertex" else [i]
+    return [j for j in mine if abs(sites[j].middle - own.middle) < reach or any(j in pair for pair in linked)]
 
 
 def apart_from(sites: tuple[Site, ...], found: Sequence[Feature], one: Feature) -> list[Feature]:
@@ -120,7 +123,7 @@ def feature_name(outline: Outline, feature: Feature) -> str:
 
 def named(outline: Outline, site: Site) -> str:
     """What a contact is called in an event."""
-    plain = replace(site, kind="patch") if site.kind == "tail" else site
+    plain = replace(site, kind="patch") if site.kind in ("tail", "span") else site
     return feature_name(outline, next(iter(features((plain,)))))
 
 

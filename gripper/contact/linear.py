@@ -46,7 +46,7 @@ def linearise(
         load = multipliers[row : row + site.multipliers]
         if site.kind == "vertex":
             system.add_vertex(site, first, row, column, load[0])
-        elif site.kind in ("patch", "tail"):
+        elif site.spreads:
             system.add_patch(site, span, row, column, load)
         else:
             system.add_point(site, first, row, column, load[0])
@@ -75,7 +75,7 @@ def _nothing(size: int) -> Linearisation:
 
 def _places(site: Site, order: int) -> Array:
     """Where the outline is evaluated for a contact."""
-    if site.kind not in ("patch", "tail"):
+    if not site.spreads:
         return np.array(site.place or (0.0,))
     a, b = site.place
     gauss = (a + b) / 2 + (b - a) / 2 * pressure_rule(site.modes, order)[0]
@@ -105,7 +105,7 @@ def _stations(
 
 def _segments(beam: Beam, site: Site, kinks: bool) -> tuple[int, int]:
     """The segments whose polynomials describe the outline before and after a contact."""
-    if not site.on_face or not kinks or site.kind in ("patch", "tail"):
+    if not site.on_face or not kinks or site.spreads:
         own = own_segment(beam, site)
         return own, own
     return _beside(beam, site.middle)

@@ -224,7 +224,7 @@ class System:
 
     def linearisation(self, hessian: Array, queries: list[Array]) -> Linearisation:
         """The finished arrays, with the contact forces point by point."""
-        ends = [site.unknown_places if site.kind in ("patch", "tail") else 0 for site in self.sites]
+        ends = [site.unknown_places if site.spreads else 0 for site in self.sites]
         cuts = [slice(span.start, span.stop - e) for (span, *_), e in zip(self.layout, ends, strict=True)]
         return Linearisation(
             self.values,

@@ -91,7 +91,7 @@ class _Rubbed:
 
     def _moves(self) -> Array:
         moves = np.zeros((len(self.u), self.site.unknown_places))
-        if self.site.kind in ("patch", "tail"):
+        if self.site.spreads:
             x = self.system.rule(self.site)[0]
             moves[: x.size] = np.column_stack([(1 - x) / 2, (1 + x) / 2])[:, : self.site.unknown_places]
         elif self.site.unknown_places:
@@ -130,7 +130,7 @@ class _Rubbed:
     def _modes(self) -> Array:
         """Normal force at each query of each multiplier, (multipliers, queries)."""
         modes = np.zeros((self.site.multipliers, len(self.u)))
-        if self.site.kind in ("patch", "tail"):
+        if self.site.spreads:
             x, mean = self.system.rule(self.site)
             modes[:, : x.size] = mean
         else:

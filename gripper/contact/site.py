@@ -10,7 +10,10 @@ A contact's place is an unknown of its own and moves between nodes. Its kinds:
              pressure is a polynomial, the gap's moments against it vanish, and so does the gap at both ends;
 ``tail``     a patch whose far end is known: the tip, where the tip's corner carries the rest, or, where the finger lies
              flush on a flat, the object's corner that the flat ends in (and that carries the rest), or a place so far
-             that the pressure has decayed. How the far end moves changes nothing to first order: the pressure is 0.
+             that the pressure has decayed;
+``span``     the same over the whole of an object's side, both of whose corners carry.
+
+How an end at a corner moves changes nothing to first order: what the pressure loses there the corner's force gains.
 
 Where gamma jumps at a concentrated force, "the" tangent of the face is the mean of both sides: this is what makes
 the energy stationary in the place of the force (configurational balance).
@@ -20,6 +23,7 @@ from __future__ import annotations
 
 import bisect
 import functools
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
@@ -32,10 +36,10 @@ from gripper.contact.outline import UPPER
 if TYPE_CHECKING:
     from gripper.contact.grip import Grip
 
-Kind = Literal["tangent", "corner", "node", "vertex", "patch", "tail"]
+Kind = Literal["tangent", "corner", "node", "vertex", "patch", "tail", "span"]
 NARROW, WIDE = 2, 8
 """Fewest and most pressure modes of a patch: short, or long, against the length over which shear decays."""
-_UNKNOWN_PLACES = {"tangent": 1, "corner": 0, "node": 0, "vertex": 1, "patch": 2, "tail": 1}
+_UNKNOWN_PLACES = {"tangent": 1, "corner": 0, "node": 0, "vertex": 1, "patch": 2, "tail": 1, "span": 0}
 CUTS = {6: (0.35,), 8: (0.12, 0.35)}
 # parts of a patch with many modes where its segments end: strains of order p carry pressures of order p - 1, and the
 # pressure decays from the near end
@@ -72,6 +76,11 @@ class Site:
     def lifts_off(self) -> bool:
         """Whether its place is where the slope of the face before it vanishes, not the gap (which does all along)."""
         return self.kind == "tail" and self.modes > NARROW
+
+    @property
+    def spreads(self) -> bool:
+        """Whether it carries a pressure along a stretch."""
+        return self.kind in ("patch", "tail", "span")
 
     @property
     def on_face(self) -> bool:
@@ -119,19 +128,30 @@ def pressure_rule(modes: int, order: int) -> tuple[Array, Array]:
 
 
 def tied(sites: tuple[Site, ...]) -> tuple[Site, ...]:
-    """The same with the far ends of tails at the object's corners that they run up to: the foot of its normal moves."""
-    feet = {(site.piece, site.vertex): site.place[0] for site in sites if site.kind == "vertex"}
+    """The same with the pressures that end at the object's corners ending there: the feet of their normals move."""
     found = list(sites)
     for i, site in enumerate(sites):
-        end = feet.get((site.piece, site.vertex)) if site.kind == "tail" else None
-        if end is not None:
-            found[i] = replace(site, place=(site.place[0], end))
+        near, far = corners_of(sites, i)
+        if far is not None:
+            start = site.place[0] if near is None else sites[near].place[0]
+            found[i] = replace(site, place=(start, sites[far].place[0]))
     return tuple(found)
+
+
+def corners_of(sites: Sequence[Site], i: int) -> tuple[int | None, int | None]:
+    """Which sites are the object's corners that a pressure begins at and ends at; None where it has none there."""
+    site = sites[i]
+    if site.kind not in ("tail", "span") or site.vertex < 0:
+        return None, None
+    mine = [j for j, other in enumerate(sites) if (other.kind, other.piece) == ("vertex", site.piece)]
+    far = next((j for j in mine if sites[j].vertex == site.vertex), None)
+    others = [j for j in mine if j != far and site.kind == "span"]
+    return min(others, key=lambda j: abs(sites[j].place[0] - site.place[0]), default=None), far
 
 
 def pointed(site: Site) -> Site:
     """A patch as a point in its middle, without friction."""
-    if site.kind in ("patch", "tail"):
+    if site.spreads:
         return replace(site, kind="tangent", place=(site.middle,), modes=1, grip=None)
     return replace(site, grip=None)
 

@@ -122,7 +122,7 @@ class FrictionTracker(Tracker):
         old, new, way = self.current.equilibrium, found.equilibrium, following - self.parameter
         travel = self._travel(self.parameter, following)
         if holds(old) != holds(new):
-            spread = any(site.kind in ("patch", "tail") for site in (*old.state.sites, *new.state.sites))
+            spread = any(site.spreads for site in (*old.state.sites, *new.state.sites))
             return travel > (_CHANGING if spread or not new.state.sites else 3 * _CHANGING)
         if travel < _FINE:
             return False

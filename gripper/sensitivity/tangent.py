@@ -77,7 +77,7 @@ def _contact(t: Touching, change: Change, moved: Flow) -> tuple[Array, Array]:
     slopes = dot(moved.normals, t.tangents) + dot(t.normal, moved.tangents)
     for span in t.spans:
         site, at = span.site, span.queries.start
-        if site.kind in ("patch", "tail"):
+        if site.spreads:
             mean = pressure_rule(site.modes, t.beam.order)[1]
             inner = slice(at, at + mean.shape[1])
             values[:, span.row : span.row + site.modes] = moved.gaps[:, inner] @ mean.T

@@ -18,8 +18,6 @@ from gripper.sensitivity.load_rates import LoadRates
 from gripper.sensitivity.section_rates import answered
 from gripper.statics.equilibrium import Equilibrium, Setting
 
-_SPREAD = ("patch", "tail")
-
 
 @dataclass(frozen=True, eq=False)
 class Span:
@@ -55,7 +53,7 @@ def _unknown(site: Site) -> bool:
 
 
 def _query(site: Site, order: int) -> Array:
-    if site.kind not in _SPREAD:
+    if not site.spreads:
         return np.array(site.place or (0.0,))
     a, b = site.place
     gauss = (a + b) / 2 + (b - a) / 2 * pressure_rule(site.modes, order)[0]
@@ -108,7 +106,7 @@ class Touching:
 
     def spread(self, site: Site, load: Array) -> Array:
         """Force along grad g at a contact's queries (d, queries) from its multipliers (d, multipliers)."""
-        if site.kind not in _SPREAD:
+        if not site.spreads:
             return load[:, :1]
         mean = pressure_rule(site.modes, self.beam.order)[1]
         out = np.zeros((len(load), mean.shape[1] + site.unknown_places))
@@ -123,7 +121,7 @@ class Touching:
             site, at = span.site, span.queries
             if not site.on_face:
                 continue
-            if site.kind in _SPREAD:
+            if site.spreads:
                 places = np.clip(self.u[at], site.place[0] + 1e-12, site.place[1] - 1e-12)
                 left[at] = right[at] = np.clip(np.searchsorted(breaks, places) - 1, 0, last)
                 if site.lifts_off:  # its place tells by the face before it
@@ -221,7 +219,7 @@ class Touching:
     def middle(self, span: Span) -> tuple[Array, float]:
         """Weights of a contact's queries in its middle, and the slope of its ratio of friction along the piece."""
         weights = np.zeros(span.queries.stop - span.queries.start)
-        if span.site.kind in _SPREAD:
+        if span.site.spreads:
             mean = pressure_rule(span.site.modes, self.beam.order)[1][0]
             weights[: mean.size] = mean
         else:

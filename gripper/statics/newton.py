@@ -36,7 +36,7 @@ def _shortening(state: State, dplaces: Array) -> float:
         steps = dplaces[first : first + site.unknown_places].tolist()
         first += site.unknowns
         factor = min([factor, *(_FURTHEST / abs(step) for step in steps if abs(step) > _FURTHEST)])
-        if site.kind in ("patch", "tail"):
+        if site.spreads and steps:
             widening = (steps[1] if len(steps) > 1 else 0.0) - steps[0]
             least = -_SHRINKING * (site.place[1] - site.place[0])
             factor = min(factor, least / widening if widening < least else 1.0)
@@ -56,9 +56,9 @@ def settle(setting: Setting, obstacle: Obstacle, state: State, order: int, *, ju
     """
     if not state.sites:
         return unloaded(setting, obstacle, order, state if state.z.any() else None)
-    if any(site.kind in ("patch", "tail") and site.place[0] >= site.place[1] for site in state.sites):
+    if any(site.spreads and site.place[0] >= site.place[1] for site in state.sites):
         raise NoEquilibriumError("a patch has shrunk to nothing")
-    if any(site.lifts_off and site.modes == WIDE for site in state.sites):
+    if any(site.kind != "patch" and site.modes == WIDE for site in state.sites):
         order = max(order, _FLUSH_ORDER)
     return _newton(setting, obstacle, state, order, judged=judged and obstacle.acting is None)
 

@@ -47,8 +47,8 @@ def fit_patches(setting: Setting, equilibrium: Equilibrium) -> tuple[Site, ...]:
             site = _patch(setting, equilibrium, site, force, curvature)
         elif site.kind == "patch" and site.place[1] - site.place[0] < PATCH / 2:
             site = replace(site, kind="tangent", place=(site.middle,), modes=1)
-        elif site.kind in ("patch", "tail"):
-            flat = site.kind == "tail" and lies_flat(setting, equilibrium.obstacle, equilibrium.state, site)
+        elif site.spreads:
+            flat = site.kind != "patch" and lies_flat(setting, equilibrium.obstacle, equilibrium.state, site)
             site = _reaching(setting, equilibrium, site) if flat and site.vertex < 0 else site
             modes, fewer = (pressure_modes(setting, site, flat=flat, slack=slack) for slack in (1.0, _LOOSE))
             if modes > site.modes or fewer < site.modes:  # down later than up

@@ -101,6 +101,8 @@ def _extent(setting: Setting, equilibrium: Equilibrium, site: Site) -> Array:
 
 def _one_stretch(one: Site, end: float, other: Site) -> bool:
     """Whether neighbouring contacts are one: a stretch that conforms, a flat with its object's corner."""
-    if one.kind == "tail" and other.kind == "vertex" and one.piece == other.piece:
+    if one.piece == other.piece and other.kind == "span":
+        return one.kind == "vertex"
+    if one.piece == other.piece and one.kind in ("tail", "span") and other.kind == "vertex":
         return other.place[0] - end < _CORNER
     return conform(one, other)

@@ -18,11 +18,11 @@ from gripper.beam.axis import Axis
 from gripper.contact.features import neighbours
 from gripper.contact.obstacle import Obstacle
 from gripper.contact.outline import dot, outward
-from gripper.contact.site import Site
+from gripper.contact.site import Site, corners_of
 from gripper.statics.certificate import DEPTH
 from gripper.statics.equilibrium import Equilibrium, Setting, State
 from gripper.statics.newton import settle
-from gripper.statics.patches import decay_length, pressure_modes, spread
+from gripper.statics.patches import DECAYED, decay_length, pressure_modes, spread
 
 NEAR = 0.15
 """Of L: how far along a face an object rolls in a step."""
@@ -80,9 +80,9 @@ def _next(setting: Setting, equilibrium: Equilibrium, tried: set[frozenset[tuple
     if not corners:
         return None
     weakest = min(corners, key=lambda i: float(state.loads[i][0]))
-    if state.loads[weakest][0] < 0 and len(neighbours(state.sites, weakest, NEAR)) > 1:
-        less = state.keeping([i != weakest for i in range(len(state.sites))])
-        return None if _named(less.sites) in tried else less
+    if state.loads[weakest][0] < 0:
+        less = _without(setting, state, weakest)
+        return None if less is None or _named(less.sites) in tried else less
     for i in corners:
         sunk = _lowest(setting, equilibrium.obstacle, state.axis, state.sites[i])
         if sunk is None or any((s.piece, s.vertex) == (sunk.piece, sunk.vertex) for s in state.sites):
@@ -112,21 +112,22 @@ def _between(setting: Setting, equilibrium: Equilibrium) -> State | None:
         if setting.theory == "bending":
             touch = Site("tangent", one.piece, (float(u[np.argmin(gaps)]),))
             return _instead(state, (i, j), [(touch, [sum(forces)])])
-        return _instead(state, (i, j), _flush(setting, other, sum(forces), other.place[0] - one.place[0]))
+        return _instead(state, (i, j), _flush(setting, one, other, forces))
     return None
 
 
 def _before(setting: Setting, equilibrium: Equilibrium) -> State | None:
     """With shear, the state that lies flush on the side before a corner that carries, where that side has sunk in."""
     state = equilibrium.state
-    tails = {(site.piece, site.vertex) for site in state.sites if site.kind == "tail"}
+    tails = {(site.piece, site.vertex) for site in state.sites if site.kind in ("tail", "span")}
     for i, site in enumerate(state.sites):
         if setting.theory == "bending" or site.kind != "vertex" or not site.on_face:
             continue
         near = max(site.place[0] - _SIDE * decay_length(setting, site.place[0]), 0.0)
         sunk = (site.piece, site.vertex) not in tails and _gaps(setting, equilibrium, site, (near, site.place[0]))[1]
         if np.min(sunk) < -DEPTH / 2:
-            return _instead(state, (i,), _flush(setting, site, float(state.loads[i][0]), np.inf))
+            force, decay = float(state.loads[i][0]), decay_length(setting, site.place[0])
+            return _instead(state, (i,), _tailed(setting, site, force, min(_FLUSH * decay, site.place[0] / 2)))
     return None
 
 
@@ -146,18 +147,49 @@ def _instead(state: State, gone: tuple[int, ...], come: list[tuple[Site, list[fl
     return replace(state, sites=sites, multipliers=np.concatenate(loads))
 
 
-def _flush(setting: Setting, corner: Site, force: float, side: float) -> list[tuple[Site, list[float]]]:
-    """Contacts of a face that lies flush up to a corner of the object, with their multipliers: a first guess.
+def _flush(setting: Setting, one: Site, other: Site, forces: tuple[float, float]) -> list[tuple[Site, list[float]]]:
+    """Contacts of a face that lies flush between two corners, or up to the farther one, with their multipliers.
 
-    Over the flush length h the shear force falls to the corner's as cosh(h / l), l = sqrt(EI / GA); Newton's method
-    finds h from far away.
+    Over the flush length h the shear force falls as cosh, the moment as sinh, and both end with the farther corner's
+    force alone, l = sqrt(EI / GA). Where h is the side, the moment at the nearer corner is N l tanh(h / l); the farther
+    of two corners that carry alone has less than that by its lever where the nearer one carries, too.
     """
-    decay, end = decay_length(setting, corner.place[0]), corner.place[0]
-    length = min(_FLUSH * decay, side / 2, end / 2)
+    decay, total, side = decay_length(setting, other.place[0]), sum(forces), other.place[0] - one.place[0]
+    if forces[1] * side >= total * decay * float(np.tanh(side / decay)):
+        return _tailed(setting, other, total, min(_FLUSH * decay, side / 2))
+    span = replace(one, kind="span", place=(one.place[0], other.place[0]), vertex=other.vertex)
+    span = replace(span, modes=pressure_modes(setting, span, flat=True))
+    last = forces[1] * side / (decay * float(np.sinh(side / decay)))
+    pressed = last * (float(np.cosh(side / decay)) - 1)
+    return [(one, [total - last - pressed]), (span, spread(pressed, span)), (other, [last])]
+
+
+def _tailed(setting: Setting, corner: Site, force: float, length: float) -> list[tuple[Site, list[float]]]:
+    """Contacts of a face that lies flush over a length up to a corner: Newton's method finds it from far away."""
+    end = corner.place[0]
     tail = replace(corner, kind="tail", place=(end - length, end))
     tail = replace(tail, modes=pressure_modes(setting, tail, flat=True))
-    left = force / float(np.cosh(length / decay))
+    left = force / float(np.cosh(length / decay_length(setting, end)))
     return [(tail, spread(force - left, tail)), (corner, [left])]
+
+
+def _without(setting: Setting, state: State, pulling: int) -> State | None:
+    """The state without a corner that would have to pull, where something beside it carries on; else None."""
+    sites = list(state.sites)
+    keep = [i != pulling for i in range(len(sites))]
+    for i, site in enumerate(state.sites):
+        near, far = corners_of(state.sites, i)
+        if near == pulling:  # lifts off before the nearer corner
+            sites[i] = replace(site, kind="tail")
+        elif far == pulling and near is not None:  # turns about the nearer corner alone
+            keep[i] = False
+        elif far == pulling:  # what is left at the corner has decayed
+            reach = DECAYED * decay_length(setting, site.place[0])
+            sites[i] = replace(site, vertex=-1, place=(site.place[0], min(site.place[1], site.place[0] + reach)))
+    changed = sites != list(state.sites) or sum(keep) < len(keep) - 1
+    if not changed and len(neighbours(state.sites, pulling, NEAR)) == 1:
+        return None
+    return replace(state, sites=tuple(sites)).keeping(keep)
 
 
 def strongest_alone(setting: Setting, equilibrium: Equilibrium, order: int) -> Equilibrium:
@@ -171,12 +203,16 @@ def strongest_alone(setting: Setting, equilibrium: Equilibrium, order: int) -> E
         Where Newton does not converge.
     """
     state = equilibrium.state
-    loads = np.array([float(load[0]) for load in state.loads])
-    groups = [neighbours(state.sites, i) for i in range(len(state.sites))]
-    keep = [i == max(group, key=lambda j: float(loads[j])) for i, group in enumerate(groups)]
+    loads = [float(load[0]) for load in state.loads]
+    strongest = {i: max(neighbours(state.sites, i), key=lambda j: loads[j]) for i in range(len(state.sites))}
+    for i in range(len(state.sites)):
+        near, far = corners_of(state.sites, i)
+        if far is not None:  # a pressure that ends in a corner's force
+            strongest[i] = strongest[far if near is None else near]
+    keep = [strongest[i] == i for i in strongest]
     if all(keep):
         return equilibrium
-    gathered = [np.append(loads[group].sum(), load[1:]) for group, load in zip(groups, state.loads, strict=True)]
+    gathered = [np.append(sum(loads[j] for j in strongest if strongest[j] == i), state.loads[i][1:]) for i in strongest]
     alone = replace(state, multipliers=np.concatenate(gathered)).keeping(keep)
     return settle(setting, equilibrium.obstacle, alone, order)
 
