@@ -29,6 +29,7 @@ NEAR = 0.15
 _ROLLS = 8
 _FLUSH = 0.8  # of sqrt(EI / GA): where Newton's method starts from
 _SIDE = 2.0  # of sqrt(EI / GA): how far a side is looked at
+_HAIR = 1e-9  # of L
 _LOOKS = 17  # at a side between two corners
 _FEET = 4  # Newton steps to the feet of normals
 _SETTLED = 1e-4  # of L: what such a step changes of a height is its square
@@ -106,8 +107,8 @@ def _between(setting: Setting, equilibrium: Equilibrium) -> State | None:
         if one.kind != "vertex" or j not in neighbours(state.sites, i, NEAR):
             continue
         u, gaps = _gaps(setting, equilibrium, one, (one.place[0], other.place[0]))
-        if gaps.min() >= -DEPTH / 2:
-            continue
+        if gaps.min() >= (-DEPTH / 2 if j in neighbours(state.sites, i) else -_HAIR):
+            continue  # corners that are near carry as one, whatever is between them
         forces = float(state.loads[i][0]), float(state.loads[j][0])
         if setting.theory == "bending":
             touch = Site("tangent", one.piece, (float(u[np.argmin(gaps)]),))
