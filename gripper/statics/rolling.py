@@ -35,7 +35,7 @@ _FEET = 4  # Newton steps to the feet of normals
 _SETTLED = 1e-4  # of L: what such a step changes of a height is its square
 
 
-def rolled_on(setting: Setting, equilibrium: Equilibrium, order: int) -> Equilibrium:
+def rolled_on(setting: Setting, equilibrium: Equilibrium, order: int, *, judged: bool = False) -> Equilibrium:
     """The equilibrium in which the object has rolled on to the corners that carry it.
 
     Where these do not come to rest it is left as far as it came: its penetration tells.
@@ -54,7 +54,7 @@ def rolled_on(setting: Setting, equilibrium: Equilibrium, order: int) -> Equilib
         if following is None:
             break
         tried.add(_named(following.sites))
-        found = settle(setting, equilibrium.obstacle, following, order)
+        found = settle(setting, equilibrium.obstacle, following, order, judged=judged)
         way, rounds = equilibrium.correction + found.correction, equilibrium.iterations + found.iterations
         equilibrium = replace(found, correction=way, iterations=rounds)
     return equilibrium

@@ -34,7 +34,7 @@ def settle_contacts(
         if foreseen is state:
             raise
         found = settle(setting, obstacle, state, order, judged=judged)
-    found = rolled_on(setting, found, order)
+    found = rolled_on(setting, found, order, judged=judged)
     sites = fit_patches(setting, found)
     if sites == found.state.sites:
         return found
