@@ -8,6 +8,8 @@ import pkgutil
 from collections.abc import Callable
 from typing import Any
 
+import sympy
+
 from gripper.fields import field_types
 
 
@@ -46,7 +48,7 @@ def unfit(cls: Any, kind: Kind) -> str | None:
     clash = sorted(kind.keys.intersection(own["__dataclass_fields__"]))
     if clash:
         return f"its fields must have other names than the scene file's own keys; got {', '.join(clash)}"
-    return _unknown_type(cls) or _unlike(cls)
+    return _unknown_type(cls) or _unlike(cls) or _unbounded(cls)
 
 
 def _unknown_type(cls: Any) -> str | None:
@@ -70,6 +72,25 @@ def _unlike(cls: type[Any]) -> str | None:
             asked = inspect.signature(promised)
             return f"its {name} must take {_named(asked)}; got {_named(inspect.signature(written))}"
     return None
+
+
+def _unbounded(cls: type[Any]) -> str | None:
+    """Tell of a surface that is not quadratic and does not say where its outline is, whatever its numbers are."""
+    from gripper.objects import ImplicitSurface  # here, because other kinds do without it
+
+    if not issubclass(cls, ImplicitSurface) or cls.half_size is not ImplicitSurface.half_size:
+        return None
+    instance: Any = object.__new__(cls)
+    x, y = sympy.symbols("x y", real=True)
+    for field in dataclasses.fields(cls):
+        object.__setattr__(instance, field.name, sympy.Symbol(field.name, positive=True))
+    try:
+        degree = sympy.Poly(instance.g(x, y), x, y).total_degree()
+    except sympy.PolynomialError:
+        degree = None
+    except Exception:  # its g may need numbers, or fields of another kind: nothing is known then
+        return None
+    return None if degree is not None and degree <= 2 else "it must write half_size, because its g is not quadratic"
 
 
 def _promised(cls: type[Any]) -> list[tuple[str, Any]]:

@@ -1,12 +1,13 @@
 import sys
 import textwrap
+from dataclasses import dataclass
 
 import pytest
 
 from gripper.fingers import Finger, Jaw
 from gripper.loads import Load
-from gripper.objects import Object
-from gripper.registry import GROUPS, OWN, PluginError, check, installed, load, scene_name, unreadable
+from gripper.objects import ImplicitSurface, Object
+from gripper.registry import GROUPS, OWN, PluginError, check, fault, installed, load, scene_name, unreadable
 from gripper.registry import record_of as record_of_class
 from gripper_plugins.jaws import Triangle
 
@@ -199,3 +200,22 @@ def test_a_distribution_whose_entry_points_cannot_be_read_is_named_and_takes_no_
     assert all(check(record) is None for record in installed("gripper.jaws"))
     named = [line for line in unreadable() if line.startswith("foreign-garbled 2.5: its entry points cannot be read (")]
     assert len(named) == 1 or "no equals" not in entries
+
+
+def test_a_surface_that_is_not_quadratic_must_say_where_it_is_before_it_is_made():
+    class Quartic(ImplicitSurface):
+        def g(self, x, y):
+            return x**4 + y**2 / self.radius - self.radius
+
+    class Bounded(Quartic):
+        def half_size(self):
+            return 1.0
+
+    class Numbers(Quartic):
+        def g(self, x, y):
+            return float(self.radius) * x**4  # nothing can be told without its numbers
+
+    fields = {"__annotations__": {"radius": "float"}}
+    made = [dataclass(frozen=True, kw_only=True)(type(c.__name__, (c,), fields)) for c in (Quartic, Bounded, Numbers)]
+    said = [fault("gripper.objects", cls) for cls in made]
+    assert said == ["it must write half_size, because its g is not quadratic", None, None]
