@@ -18,7 +18,7 @@ from gripper.scene import Scene
 from gripper.statics.answer import Answer, pose_result
 from gripper.statics.equilibrium import NoEquilibriumError, Setting, reckoned
 from gripper.statics.ladder import rungs, suffices, theory_difference
-from gripper.statics.validity import plane_difference, unknown_between, unmoved, warnings
+from gripper.statics.validity import all_free, plane_difference, unknown_between, unmoved, warnings
 
 NOT_MODELLED = (
     "deformation of the section and of the surface at the contact",
@@ -51,6 +51,7 @@ def model(scene: Scene, fixed: Setting, poses: Sequence[PoseResult], peak: Extre
     notes = (plane_difference(fixed.sections.finger.material), *NOT_MODELLED, *law, *bent, *own, *follows)
     beyond = (
         *unmoved(scene, fixed.loads),
+        *all_free(poses),
         *warnings(fixed.sections, poses, scene.tolerance),
         *unknown_between(fixed.sections, peak),
     )

@@ -94,6 +94,7 @@ def test_a_scene_without_contact_says_that_nothing_touches() -> None:
     text = str(explain(rotating_finger(0.15, 0.2)))
     assert "nothing touches" in text
     assert "0 constraints (nothing is near)" in text
+    assert "nothing touches at any pose: the least distance of finger and object is 0.03" in text
 
 
 def test_the_command_prints_it_and_a_bad_scene_ends_with_status_2(tmp_path: Path) -> None:

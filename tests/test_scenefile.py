@@ -87,7 +87,7 @@ REFUSED = {
     SCENE + "[limits]\nmax_strain = 'x'\n": "limits.max_strain: ",
     SCENE + "[[loads]]\nforce = 3\n": "loads[0].type: must be one of following_force, force, gravity, ",
     SCENE + "[loads]\ntype = 'force'\n": "loads: must be an array of tables, [[loads]]; got a table of type",
-    SCENE + "[[loads]]\ntype = 'wind'\n": "loads[0].type: must be a plugin that works (unknown load 'wind'; known: ",
+    SCENE + "[[loads]]\ntype = 'wind'\n": "loads[0].type: must be one of following_force, ",
     SCENE + "[[loads]]\ntype = 'force'\nforce = [0, 'q']\n": "loads[0].force[1]: must hold known names only, not 'q'",
     SCENE + "[[loads]]\ntype = 'force'\nforce = [0, 1]\ns = '58 mm'\n": "loads[0].s: must lie above 0 and up to",
     SCENE + "[[loads]]\ntype = 'gravity'\n": "loads[0]: density must be given, in kg/m^3, or else mass_per_length",
@@ -114,12 +114,10 @@ REFUSED = {
     without(SCENE, 'length = "57 mm"', 'width = "9.5 mm"'): "finger.length, finger.width: must be given; got profile",
     without(SCENE, 'surface = "circle"'): "object.surface: must be one of circle, conic, ",
     # plugins
-    SCENE.replace(
-        '"circle"', '"cirle"'
-    ): "object.surface: must be a plugin that works (unknown object 'cirle'; known: ",
+    SCENE.replace('"circle"', '"cirle"'): "object.surface: must be one of circle, ",
     SCENE.replace('"circle"', "3"): "object.surface: must be one of circle, ",
     SCENE.replace('"uniform"', '"tapred"'): "did you mean 'tapered'?",
-    SCENE + '[finger.jaw]\nshape = "hook"\n': "finger.jaw.shape: must be a plugin that works (unknown jaw 'hook'",
+    SCENE + '[finger.jaw]\nshape = "hook"\n': "finger.jaw.shape: must be one of polygon, triangle",
     SCENE + "[finger.jaw]\n": "finger.jaw.shape: must be one of polygon, triangle; got nothing",
     SCENE
     + '[finger.jaw]\nshape = "triangle"\n': "finger.jaw.length, finger.jaw.lead_angle, finger.jaw.return_angle: must",
@@ -281,7 +279,7 @@ def test_objects_within_objects_are_tables_within_tables():
     [
         ('radius = "2 mm"', "radius = -1", "object.parts[1].radius: must be a positive number"),
         ('radius = "2 mm"', "radus = 1", "object.parts[1].radus: must be a known key: surface, pose, radius"),
-        ('surface = "circle"', 'surface = "circel"', "object.parts[1].surface: must be a plugin that works"),
+        ('surface = "circle"', 'surface = "circel"', "object.parts[1].surface: must be one of circle"),
         ('pose = {y = "1 mm"', 'pose = {y = "q"', "object.parts[1].pose.y: must hold known names only"),
         ('distance = "1 mm"', "distance = 0", "object.parts[0].distance: must be a positive number"),
         ('surface = "polygon", ', "", "object.parts[0].part.surface: must be one of circle"),
@@ -574,6 +572,10 @@ def test_a_result_without_a_scene_is_refused_by_its_key(tmp_path, text, message)
     assert str(refusal.value).startswith(f"{path}: {message}")
 
 
+def test_a_quantity_without_its_quotes_is_told_so():
+    assert 'a quantity with a unit stands in quotes, as "60 mm"' in message_of(SCENE.replace('"8.9 mm"', "8.9 mm"))
+
+
 def test_a_motion_that_moves_nothing_is_refused_and_in_python_a_warning():
     still = MOVING.replace('x = "q"', "x = 0.08")
     assert still != MOVING
@@ -583,5 +585,5 @@ def test_a_motion_that_moves_nothing_is_refused_and_in_python_a_warning():
     assert loads(still + "[[loads]]\ntype = 'force'\nforce = [0, '1 N/m * q']\n")
     scene = loads(MOVING)
     scene = dataclasses.replace(scene, object=dataclasses.replace(scene.object, pose=Pose(x=0.1, y=-0.1)))
-    (warning,) = gr.trace(scene).model.warnings
+    warning, *_ = gr.trace(scene).model.warnings
     assert warning == "the motion moves nothing: its parameter 'q' stands in no pose and in no load"

@@ -135,12 +135,13 @@ def _mesh(text: str) -> tuple[int, int]:
 def _part(text: str | None) -> float | None:
     """A part of one, written as a number or in per cent."""
     from gripper.expression import number
+    from gripper.expression.dimensions import PURE
 
     if text is None:
         return None
     rule = "within must be a positive number, or one with %"
     try:
-        part = number(text.removesuffix("%").strip()) * (0.01 if text.endswith("%") else 1.0)
+        part = number(text.removesuffix("%").strip(), PURE) * (0.01 if text.endswith("%") else 1.0)
     except ValueError as error:
         stop(f"{rule}: {error}", BAD_INPUT)
     return part if part > 0 else stop(f"{rule}; got {text!r}", BAD_INPUT)

@@ -179,7 +179,9 @@ def _others(result: Result) -> list[str]:
 def _model(result: Result) -> list[str]:
     model = result.model
     changes = [pose.error.next_theory for pose in result.poses if pose.error.next_theory is not None]
-    chosen = f" (the next one would change forces by up to {100 * round(max(changes), 12):.2g} %)" if changes else ""
+    chosen = (
+        f" (the next one would change forces by up to {100 * round(max(changes), 12):.2g} %)" if any(changes) else ""
+    )
     lines = [f"theory: {model.theory}{chosen}"]
     friction = result.scene.friction
     lines += [f"friction: {_friction(friction)}"] if friction and not friction.absent else []

@@ -46,7 +46,8 @@ def read_design(path: str | os.PathLike[str]) -> Task:
     tables = dict(toml.tables(text, place))
     table, at = tables.pop("optimize", None), place.at("optimize")
     if not isinstance(table, dict):
-        raise at.error("must be a table with minimize, maximize or flatten, and free", shown(table))
+        got = "nothing" if table is None else shown(table)
+        raise at.error("must be a table, [optimize], with minimize, maximize or flatten, and free", got)
     unknown = [key for key in table if key not in _KEYS]
     if unknown:
         raise at.at(unknown[0]).error(f"must be one of {', '.join(_KEYS)}", shown(unknown[0]))

@@ -117,7 +117,10 @@ def _plugin(group: str, key: str, table: Table, place: Place) -> type[Any]:
         raise place.at(key).error(f"must be one of {known}", shown(name) if key in table else "nothing")
     try:
         return load(group, name)
-    except (LookupError, PluginError) as error:
+    except LookupError as error:
+        rule = str(error.args[0]).partition("; ")[2].replace("known: ", "must be one of ", 1)
+        raise place.at(key).error(rule, shown(name)) from error
+    except PluginError as error:
         raise place.at(key).error(f"must be a plugin that works ({error})", shown(name)) from error
 
 

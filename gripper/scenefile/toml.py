@@ -13,6 +13,7 @@ from gripper.scenefile.place import BARE_KEY, Place, SceneFileError, Table
 MOST_DOTS = 1000
 """In a line, between the signs that end a name: more than the longest expression can have."""
 _ENDS = re.compile(r"[,=\[\]{}]")
+_UNQUOTED = re.compile(r"[=\[,]\s*[-+]?[.\d][-+.\deE]*\s*[A-Za-z]+\s*(?:[],#]|$)")
 _LINE = re.compile(r"\(at line (\d+), column (\d+)\)")
 
 
@@ -45,6 +46,8 @@ def _syntax_error(text: str, message: str, place: Place) -> SceneFileError:
     match = _LINE.search(message)
     i = min(int(match[1]), len(lines)) if match else len(lines)
     reason = " ".join(_LINE.sub("", message).split())
+    if _UNQUOTED.search(lines[i - 1]):
+        reason = 'a quantity with a unit stands in quotes, as "60 mm"'
     where = f"line {i}" if match or "end of document" in message else "somewhere"
     got = repr(shortened(lines[i - 1])) if where != "somewhere" else f"{len(lines)} lines"
     return SceneFileError(f"{place.file}: {where}: must be TOML ({reason}); got {got}")

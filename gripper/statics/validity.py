@@ -65,6 +65,15 @@ def unmoved(scene: Scene, loads: Loads | None) -> tuple[str, ...]:
     return (f"the motion moves nothing: its parameter {scene.motion.parameter!r} stands in no pose and in no load",)
 
 
+def all_free(poses: Sequence[PoseResult]) -> tuple[str, ...]:
+    """Say where nothing touches at any pose: a unit may be missing, or a sign wrong."""
+    if any(pose.status != "free" for pose in poses):
+        return ()
+    nearest = min(poses, key=lambda pose: pose.min_gap or 0.0)
+    gap = f"{nearest.min_gap or 0.0:.3g} m{_where(nearest)}"
+    return (f"nothing touches at any pose: the least distance of finger and object is {gap}",)
+
+
 def unknown_between(sections: Sections, peak: Extreme | None) -> tuple[str, ...]:
     """Say where strains leave what the material's law knows, also between the poses: peaks there mean nothing."""
     if sections.law is None or peak is None:
