@@ -103,6 +103,10 @@ class Climber:
         Between two samples a hill rises above both by a quarter of their difference, if it is a parabola.
         """
         top, foot = flank.top.at, flank.foot.at
+        if flank.changed and not (top.equilibrium.state.sites and foot.equilibrium.state.sites):
+            ends = [flank.top.values[name], flank.foot.values[name]]  # at a touch or a release it is that of the free one
+            if max(ends) + abs(ends[0] - ends[1]) < known:
+                return max((Summit(ends[0], top), Summit(ends[1], foot)), key=lambda summit: summit.value)
         values = {id(top): flank.top.values[name], id(foot): flank.foot.values[name]}
         pairs = [(top, foot)] if not flank.changed else []
         if flank.changed:
