@@ -24,7 +24,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Progress = Callable[[int, int], None]
-_AHEAD = 256  # variants that are handed out at a time
+_AHEAD = 256  # variants that are handed out at a time, to an executor of any size
+_EACH = 4  # the same, to each process of our own: waiting for many costs more than for few
 _LIVES = 3  # of a variant whose process ends
 
 
@@ -135,7 +136,7 @@ def _on_processes(scene: Scene, plan: Plan, missing: dict[int, tuple[float, ...]
         batch = dict(itertools.islice(missing.items(), suspects or None))
         with processes(1 if suspects else workers) as pool:
             try:
-                for row in _through(pool, scene, plan, batch, 1 if suspects else _AHEAD):
+                for row in _through(pool, scene, plan, batch, 1 if suspects else _EACH * workers):
                     del missing[row.variant]
                     yield row
                 suspects = 0
