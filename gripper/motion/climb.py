@@ -104,9 +104,9 @@ class Climber:
         """
         top, foot = flank.top.at, flank.foot.at
         if flank.changed and not (top.equilibrium.state.sites and foot.equilibrium.state.sites):
-            ends = [flank.top.values[name], flank.foot.values[name]]  # of which the free one's is the change's, too
-            if max(ends) + abs(ends[0] - ends[1]) < known:
-                return max((Summit(ends[0], top), Summit(ends[1], foot)), key=lambda summit: summit.value)
+            heights = [flank.top.values[name], flank.foot.values[name]]  # of which the free one's is the change's, too
+            if max(heights) + abs(heights[0] - heights[1]) < known:
+                return max((Summit(heights[0], top), Summit(heights[1], foot)), key=lambda summit: summit.value)
         values = {id(top): flank.top.values[name], id(foot): flank.foot.values[name]}
         pairs = [(top, foot)] if not flank.changed else []
         if flank.changed:
