@@ -113,7 +113,7 @@ def _flush(
         rest = [c for c in contacts if c is not chosen]
         tail = replace(site, kind="tail", place=(site.place[0] - decay / 2, stop))
         flat = lies_flat(setting, problem.obstacle, problem.state(x), tail)
-        tail = replace(tail, modes=pressure_modes(setting, tail, flat=flat))
+        tail = replace(tail, modes=pressure_modes(setting, tail, flat=flat)[0])
         corner = setting.outline.tip_corner(site.piece)
         to_tip = flat_until(setting, problem.obstacle, problem.state(x), site, 1.0) == 1
         if to_tip and corner is not None and all(c[0].piece != corner for c in rest):

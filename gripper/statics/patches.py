@@ -50,7 +50,7 @@ def fit_patches(setting: Setting, equilibrium: Equilibrium) -> tuple[Site, ...]:
         elif site.spreads:
             flat = site.kind != "patch" and lies_flat(setting, equilibrium.obstacle, equilibrium.state, site)
             site = _reaching(setting, equilibrium, site) if flat and site.vertex < 0 else site
-            modes, fewer = (pressure_modes(setting, site, flat=flat, slack=slack) for slack in (1.0, _LOOSE))
+            modes, fewer = pressure_modes(setting, site, flat=flat)
             if modes > site.modes or fewer < site.modes:  # down later than up
                 site = replace(site, modes=modes)
         sites.append(site)
@@ -68,10 +68,12 @@ def _reaching(setting: Setting, equilibrium: Equilibrium, site: Site) -> Site:
     return replace(site, place=(site.place[0], stop)) if longer or width > reach else site
 
 
-def pressure_modes(setting: Setting, site: Site, *, flat: bool = False, slack: float = 1.0) -> int:
-    """How many pressure modes a patch needs: the pressure varies over sqrt(EI / GA)."""
-    width = (site.place[1] - site.place[0]) / decay_length(setting, site.middle) * slack
-    return next(modes for limit, modes in (_FLAT_WIDTHS if flat else _WIDTHS) if width < limit)
+def pressure_modes(setting: Setting, site: Site, *, flat: bool = False) -> tuple[int, int]:
+    """How many pressure modes a patch needs, and how many it may keep: the pressure varies over sqrt(EI / GA)."""
+    width = (site.place[1] - site.place[0]) / decay_length(setting, site.middle)
+    widths = _FLAT_WIDTHS if flat else _WIDTHS
+    needed, enough = (next(modes for limit, modes in widths if width * slack < limit) for slack in (1.0, _LOOSE))
+    return needed, enough
 
 
 def lies_flat(setting: Setting, obstacle: Obstacle, state: State, site: Site) -> bool:
@@ -84,7 +86,8 @@ def lies_flat(setting: Setting, obstacle: Obstacle, state: State, site: Site) ->
 def decay_length(setting: Setting, s: float) -> float:
     """sqrt(EI / GA) at a section, by L."""
     at = np.array([min(s, 1.0)])
-    return float(np.sqrt(setting.sections.EI(at) / setting.sections.GA(at))[0])
+    bending, shear, _ = setting.sections.stiffness(at)
+    return float(np.sqrt(bending / shear)[0])
 
 
 def _patch(setting: Setting, equilibrium: Equilibrium, site: Site, force: float, curvature: float) -> Site:
