@@ -23,7 +23,7 @@ from gripper.sensitivity.object_rates import object_rates
 from gripper.sensitivity.opened import NotOpenError
 from gripper.statics.answer import Answer, pose_result
 from gripper.statics.certificate import survey
-from gripper.statics.newton import settle
+from gripper.statics.newton import polished, settle
 from gripper.statics.verified import Verified
 from gripper_plugins.fingers.tapered import Tapered
 from gripper_plugins.loads import FollowingForce, Force, Gravity, Moment, Tendon
@@ -151,10 +151,9 @@ def solved(scene, state, parameter):
     grips = [site.grip and dataclasses.replace(site.grip, law=law) for site in state.sites]
     sites = tuple(dataclasses.replace(site, grip=grip) for site, grip in zip(state.sites, grips, strict=True))
     state = dataclasses.replace(state, sites=sites)
-    for _ in range(3):
-        equilibrium = settle(fixed, fixed.obstacle(kinematics.frame(parameter)), state, state.beam.order)
-        state = equilibrium.state
-    answer = Answer(Verified(equilibrium, survey(fixed, equilibrium.obstacle, state)), 0.0, 0.0, 0)
+    found = settle(fixed, fixed.obstacle(kinematics.frame(parameter)), state, state.beam.order)
+    equilibrium = polished(fixed, found)
+    answer = Answer(Verified(equilibrium, survey(fixed, equilibrium.obstacle, equilibrium.state)), 0.0, 0.0, 0)
     return pose_result(fixed, answer, parameter, kinematics.placement(parameter))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -23,6 +24,19 @@ class Kept:
 
     setting: Setting
     equilibrium: Equilibrium
+
+    @functools.cached_property
+    def exact(self) -> Equilibrium:
+        """The equilibrium to round-off, as derivatives need it.
+
+        Raises
+        ------
+        NoEquilibriumError
+            At a limit point.
+        """
+        from gripper.statics.newton import polished  # results are read without the solver
+
+        return polished(self.setting, self.equilibrium)
 
     def __reduce__(self) -> tuple[Any, tuple[()]]:
         return _nothing, ()

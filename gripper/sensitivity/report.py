@@ -187,7 +187,7 @@ def _of_pose(result: Result, seeds: Seeds, pose: PoseResult, kept: Kept | None) 
     kind, reason = side(result, pose, kept)
     if kind != "none":
         try:
-            return _rows(Reading(seeds, kept.equilibrium).table(), pose, seeds, kind, reason)
+            return _rows(Reading(seeds, kept.exact).table(), pose, seeds, kind, reason)
         except np.linalg.LinAlgError:
             reason = "the equilibrium is at a limit point, where its derivatives are infinite"
         except UnknownPastError as error:

@@ -63,7 +63,7 @@ def _rates(peak: Extreme | None, name: str, seeds: Seeds) -> Array | None:
     if peak is None or peak.kept is None:
         return None
     try:
-        return Summit(seeds, name).rates(peak.kept.equilibrium)
+        return Summit(seeds, name).rates(peak.kept.exact)
     except (UnknownPastError, np.linalg.LinAlgError):
         return None  # the finger snaps there, or a contact remembers what no number of the scene says
 

@@ -19,6 +19,7 @@ from gripper.statics.steps import advanced, ends_at, largest
 _ITERATIONS = 20
 _CONVERGED = 1e-5  # last step, relative: the next one, of second order, would be round-off
 _LEFT, _ROUND_OFF = 5e-5, 5e-9  # of the tolerance, and at most: what may then be left of the forces, relative
+_PRECISE = 1e-6  # tolerance of an equilibrium that is differentiated
 _FLUSH_ORDER = 5  # of strains that tell a pressure of many modes from the force of the corner that it ends in
 _FITS = 1e-3  # last step, relative: below it the fields fit the places
 _NO_STRAIN = 1e-8  # |z| below which steps are judged by their own size: round-off of the gap moves z by 1e-16
@@ -84,6 +85,23 @@ def _newton(setting: Setting, obstacle: Obstacle, state: State, order: int, *, j
         if not math.isfinite(last) or size > _WILD or largest(state.multipliers) > _WILD**2:
             raise NoEquilibriumError("Newton's iteration diverged")
     raise NoEquilibriumError(f"Newton's iteration did not converge in {_ITERATIONS} steps")
+
+
+def polished(setting: Setting, equilibrium: Equilibrium) -> Equilibrium:
+    """The equilibrium to round-off, its segments ending where its contacts are: itself, where it is so already.
+
+    A pose is settled as far as its tolerance asks; derivatives magnify what that leaves.
+
+    Raises
+    ------
+    NoEquilibriumError
+        Where Newton's method does not converge: at a limit point.
+    """
+    state, precise = equilibrium.state, replace(setting, tolerance=min(_PRECISE, setting.tolerance))
+    settled = _unbalanced(state, equilibrium.linear) < _LEFT * precise.tolerance or _size(state.z) < _NO_STRAIN
+    if settled and _fitted(precise, state, state.beam.order):
+        return equilibrium
+    return settle(precise, equilibrium.obstacle, state, state.beam.order)
 
 
 def _linear(
