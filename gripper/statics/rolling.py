@@ -159,7 +159,7 @@ def _flush(setting: Setting, one: Site, other: Site, forces: tuple[float, float]
     if forces[1] * side >= total * decay * float(np.tanh(side / decay)):
         return _tailed(setting, other, total, min(_FLUSH * decay, side / 2))
     span = replace(one, kind="span", place=(one.place[0], other.place[0]), vertex=other.vertex)
-    span = replace(span, modes=pressure_modes(setting, span, flat=True))
+    span = replace(span, modes=pressure_modes(setting, span, flat=True)[0])
     last = forces[1] * side / (decay * float(np.sinh(side / decay)))
     pressed = last * (float(np.cosh(side / decay)) - 1)
     return [(one, [total - last - pressed]), (span, spread(pressed, span)), (other, [last])]
@@ -169,7 +169,7 @@ def _tailed(setting: Setting, corner: Site, force: float, length: float) -> list
     """Contacts of a face that lies flush over a length up to a corner: Newton's method finds it from far away."""
     end = corner.place[0]
     tail = replace(corner, kind="tail", place=(end - length, end))
-    tail = replace(tail, modes=pressure_modes(setting, tail, flat=True))
+    tail = replace(tail, modes=pressure_modes(setting, tail, flat=True)[0])
     left = force / float(np.cosh(length / decay_length(setting, end)))
     return [(tail, spread(force - left, tail)), (corner, [left])]
 
