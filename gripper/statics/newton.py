@@ -18,7 +18,8 @@ from gripper.statics.steps import advanced, ends_at, largest
 
 _ITERATIONS = 20
 _CONVERGED = 1e-5  # last step, relative: the next one, of second order, would be round-off
-_LEFT, _ROUND_OFF = 5e-5, 5e-9  # of the tolerance, and at most: what may then be left of the forces, relative
+_LEFT = 5e-5  # of the tolerance: what may then be left of the forces, relative
+_LEAST_LEFT, _MOST_LEFT = 1e-10, 5e-9  # within these bounds
 _PRECISE = 1e-6  # tolerance of an equilibrium that is differentiated
 _FLUSH_ORDER = 5  # of strains that tell a pressure of many modes from the force of the corner that it ends in
 _FITS = 1e-3  # last step, relative: below it the fields fit the places
@@ -66,7 +67,7 @@ def settle(setting: Setting, obstacle: Obstacle, state: State, order: int, *, ju
 
 def _newton(setting: Setting, obstacle: Obstacle, state: State, order: int, *, judged: bool = False) -> Equilibrium:
     last, way, held = np.inf, 0.0, False
-    flush, settled = any(site.lifts_off for site in state.sites), min(_ROUND_OFF, _LEFT * setting.tolerance)
+    flush, settled = any(site.lifts_off for site in state.sites), _settled(setting)
     for iteration in range(_ITERATIONS):
         if iteration == 0 and not _fitted(setting, state, order):
             state = state.on(setting.beam(state.sites, order))
@@ -98,7 +99,7 @@ def polished(setting: Setting, equilibrium: Equilibrium) -> Equilibrium:
         Where Newton's method does not converge: at a limit point.
     """
     state, precise = equilibrium.state, replace(setting, tolerance=min(_PRECISE, setting.tolerance))
-    settled = _unbalanced(state, equilibrium.linear) < _LEFT * precise.tolerance or _size(state.z) < _NO_STRAIN
+    settled = _unbalanced(state, equilibrium.linear) < _settled(precise) or _size(state.z) < _NO_STRAIN
     if settled and _fitted(precise, state, state.beam.order):
         return equilibrium
     return settle(precise, equilibrium.obstacle, state, state.beam.order)
@@ -113,6 +114,11 @@ def _linear(
     richer, kept = state.enriched()
     whole = linearise(richer.beam, richer.z, setting.outline, obstacle, state.sites, state.multipliers)
     return whole.keeping(kept), (richer, whole)
+
+
+def _settled(setting: Setting) -> float:
+    """What may be left of the stationarity condition, relative."""
+    return min(max(_LEFT * setting.tolerance, _LEAST_LEFT), _MOST_LEFT)
 
 
 def _unbalanced(state: State, lin: Linearisation) -> float:
