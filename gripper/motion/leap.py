@@ -35,7 +35,7 @@ _DEPARTS = 0.5  # of a step: what it may differ from its prediction
 _FIRST = 1.3  # by as much more may the first step, which knows of no force yet
 _FURTHEST = 0.1  # of L: the most that a place moves in a step
 _ASIDE = 0.15  # of L: what touches further from the contact is another one
-_CLOSE = 1e-2  # relative: near enough for SLSQP and the last steps of Newton's method
+_CLOSE = 2.5e-2  # relative: near enough for SLSQP and the last steps of Newton's method
 _ROUNDS = 4  # in which it must come that close
 
 

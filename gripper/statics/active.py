@@ -12,7 +12,7 @@ from gripper.contact.obstacle import Obstacle
 from gripper.statics.candidates import active_sets, violated
 from gripper.statics.certificate import Survey, survey
 from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, anchored
-from gripper.statics.nearby import near
+from gripper.statics.nearby import everywhere, near
 from gripper.statics.newton import settle
 from gripper.statics.problem import Problem
 from gripper.statics.settling import settle_contacts
@@ -81,8 +81,7 @@ def confirmed(setting: Setting, obstacle: Obstacle, near_it: State, order: int) 
         Where SLSQP names others, or none of this contact is found that verifies.
     """
     state, site = State(near_it.beam, near_it.z), near_it.sites[0]
-    candidates = near(setting, obstacle, state, survey(setting, obstacle, state, brief=True), REACH)
-    problem = Problem(setting, obstacle, state, candidates)
+    problem = Problem(setting, obstacle, state, everywhere(setting, state))
     answer = minimize(**problem.scipy(_NAMING, _PATIENCE))
     sites, _ = next(active_sets(setting, problem, answer.x, np.atleast_1d(answer.multipliers)), ((), ()))
     if [(s.kind, s.piece) for s in sites] != [(site.kind, site.piece)]:

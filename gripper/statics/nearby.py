@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 
 from gripper.arrays import Array
@@ -42,6 +44,15 @@ def near(setting: Setting, obstacle: Obstacle, state: State, found: Survey, reac
         gaps = obstacle.gap(points)
         candidates += [Candidate("corner", int(n)) for n, gap in zip(numbers, gaps, strict=True) if gap < reach]
     return tuple(candidates) + (_vertices(setting, obstacle, axis, found, reach) if cornered else ())
+
+
+def everywhere(setting: Setting, state: State) -> tuple[Candidate, ...]:
+    """All of the outline, without a look at where a smooth object is: each segment of the faces, edges and corners."""
+    outline, breaks = setting.outline, state.beam.breaks
+    spans = [(face, *span) for face in (LOWER, UPPER) for span in itertools.pairwise(breaks)]
+    spans += [(piece, 0.0, outline.pieces[piece].length) for piece in range(UPPER + 1, len(outline.pieces))]
+    stretches = [Candidate("stretch", *span) for span in spans]
+    return (*stretches, *(Candidate("corner", outline.corner_piece(i)) for i in range(len(outline.corners))))
 
 
 def _stretches(setting: Setting, state: State, found: Survey, reach: float) -> list[Candidate]:
