@@ -177,6 +177,33 @@ def test_so_are_those_by_the_numbers_of_an_object_s_parts(motion):
     agree_with_differences(COMPOSED[motion], r"object.parts?\b.*(radius|x|angle|vertices.[23])|object.distance")
 
 
+def beside(body, finger=TAPERED, **options):
+    """A finger and what it does not touch."""
+    return gr.Scene(finger=finger, object=body, motion=gr.Motion("q", (-0.06, -0.035)), theory="bending", **options)
+
+
+NEARBY = {
+    "a face and a grown triangle": beside(
+        Grown(part=Polygon(vertices=UNEVEN[::2]), distance=0.004).at(x=0.12, y=Q - 0.01, angle=0.3)
+    ),
+    "the tip's corner and an ellipse": beside(Ellipse(semi_axes=(0.02, 0.012)).at(x=0.2, y=Q, angle=0.4)),
+    "a face and a polygon's corner": beside(Polygon(vertices=UNEVEN).at(x=0.12, y=Q, angle=0.3)),
+    "a jaw's corner and a pin": micro_assembly(0.2, 0.095),
+    "a face that its weight bends": beside(
+        Circle(radius=0.01).at(x=0.1, y=Q - 0.03), TAPERED.at(angle=0.1), loads=(Gravity(density=1150.0),)
+    ),
+}
+
+
+@pytest.mark.parametrize("motion", NEARBY)
+def test_so_are_those_of_the_least_distance_of_what_does_not_touch(motion):
+    scene = NEARBY[motion]
+    result = gr.trace(scene)
+    assert result.poses[-1].status == "free" and result.poses[-1].min_gap > 1e-3
+    agree_with_differences(scene, r"object.(?!vert)|vertices.2|jaw|length|thickness|angle|loads|youngs")
+    assert abs(result.sensitivity("object.pose.y").poses[-1].min_gap) > 0.1
+
+
 def agree_with_differences(scene, keys):
     """Compare the derivatives of a motion's last pose, by the numbers whose keys match, with central differences."""
     *_, last = follow(scene)

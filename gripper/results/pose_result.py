@@ -237,6 +237,11 @@ class PoseNumbers(Record):
         Neutral axis at s = L, in m; psi(L) relative to the clamp, in rad.
     max_strain
         Largest abs(eps) + abs(kappa) w / 2.
+    min_gap
+        Smallest distance of the outlines, in m; negative: depth.
+    load_energy
+        Potential of the scene's loads, in J, its zero where theirs are (a dead force's: its point at the clamp); None
+        where there are no loads, or one has no potential.
     """
 
     parameter: float | None
@@ -250,6 +255,8 @@ class PoseNumbers(Record):
     tip: Vector | None = None
     tip_rotation: float | None = None
     max_strain: float | None = None
+    min_gap: float | None = None
+    load_energy: float | None = None
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -262,15 +269,10 @@ class PoseResult(PoseNumbers):
         "free" (no contact), "contact", "locked" (friction holds it for any force) or "failed".
     reason
         Why it failed or locked.
-    load_energy
-        Potential of the scene's loads, in J, its zero where theirs are (a dead force's: its point at the clamp); None
-        where there are no loads, or one has no potential.
     work, dissipation
         With friction along a motion: work put in by the drive, and energy lost, since the motion began, in J.
     max_strain_s
         Where the strain is largest (m from the clamp; None where nothing bends it).
-    min_gap
-        Smallest distance of the outlines, in m; negative: depth.
     contacts
         One entry a separate contact, ordered by s.
     loads
@@ -290,11 +292,9 @@ class PoseResult(PoseNumbers):
     """
 
     status: Status
-    load_energy: float | None = None
     work: float | None = None
     dissipation: float | None = None
     max_strain_s: float | None = None
-    min_gap: float | None = None
     contacts: tuple[Contact, ...] = ()
     loads: tuple[Applied, ...] = ()
     checks: Checks = Checks()

@@ -118,7 +118,7 @@ class Bearing:
         work = x * places.real + y * places.imag + couple * angles
         out: Array = -(work * sampled.each).sum(axis=1)
         own = np.zeros((len(out), 1 if not self.spread_out else self.s.size))
-        own[self.rate.rows] = np.reshape(self.energy_by_numbers, (len(self.rate.rows), -1))
+        own[self.rate.rows] = self.energy_by_numbers
         if not self.spread_out:
             return out + s @ self.energy_by_s + own[:, 0]
         wider = (np.diff(breaks, axis=1) / self.geometry.lengths)[:, self.segment] + stretch[:, None]

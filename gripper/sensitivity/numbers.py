@@ -9,6 +9,7 @@ import numpy as np
 
 from gripper.arrays import Array, Complex
 from gripper.contact.outline import dot
+from gripper.sensitivity.gap_rates import gap_rates
 from gripper.sensitivity.geometry import Marks
 from gripper.sensitivity.section_rates import Sectioned
 from gripper.sensitivity.seeds import Seeds
@@ -51,9 +52,13 @@ class Reading:
             "moment_on_object": -self._moment(t.equilibrium.obstacle.frame.origin, self.frames.origin),
             "clamp_moment": self._moment(0j, 0j * self.frames.origin) + self._load_moment(),
             "max_strain": self.strain(),
+            "min_gap": gap_rates(self.seeds, t.equilibrium),
         }
         if self.parameter is not None:
             out["motion_force"] = self.drive()
+        push = t.equilibrium.linear.push
+        if push is not None and push.conservative:
+            out["load_energy"] = self.load_energy()
         return out | self._tip(turn)
 
     def size(self) -> Array:

@@ -11,6 +11,7 @@ import sympy
 
 from gripper.arrays import Array, Complex
 from gripper.contact.kinematics import Kinematics
+from gripper.contact.obstacle import Obstacle
 from gripper.contact.outline import LOWER, UPPER, dot
 from gripper.contact.site import Site
 from gripper.friction import Coefficients
@@ -156,11 +157,11 @@ class Seeds:
         if known is None:
             touching = Touching(self.setting, equilibrium, self.finger, self.loads)
             frames = self.frames(equilibrium.obstacle.frame.parameter)
-            known = Solved(touching, frames, rates(touching, self._change(touching, frames)))
+            known = Solved(touching, frames, rates(touching, self.change(touching, frames)))
             self._solved[id(equilibrium)] = known  # which keeps the equilibrium, and so its id
         return known
 
-    def _change(self, touching: Touching, frames: FrameRates) -> Change:
+    def change(self, touching: Touching, frames: FrameRates) -> Change:
         """The directions of all numbers at an equilibrium."""
         change = Change.none(touching, len(self.keys))
         self._of_finger(touching, change)
@@ -225,23 +226,32 @@ class Seeds:
 
     def _of_object(self, t: Touching, change: Change, frames: FrameRates) -> None:
         """The object moves, turns, is scaled by 1 / L, and changes its own shape."""
-        obstacle, origin = t.obstacle, t.obstacle.frame.origin
-        arm = t.points - origin
-        turning, stretch = frames.angle[:, None], self.log_length[:, None]
-        passing = frames.origin[:, None] + 1j * turning * arm
-        change.gaps[:] = stretch * (dot(t.normal, arm) - t.gap) - dot(t.normal, passing)
-        change.normals[:] = t.curved(stretch * arm - passing) + 1j * turning * t.normal
-        g, gradient = self.object.at(obstacle.local(t.points))
-        turn = cmath.exp(1j * obstacle.frame.angle)
-        change.gaps[self._object_rows] += g / self.setting.sections.length
-        change.normals[self._object_rows] += gradient * turn
-        corners = self.object.corners(self.setting.body.corners) * turn / self.setting.sections.length
+        change.gaps[:], change.normals[:] = self.passing(t.obstacle, frames, t.points)
         for span in t.spans:
             if span.site.kind == "vertex":
-                at, vertex = span.queries.start, span.site.vertex
-                out = obstacle.corners[vertex] - origin
-                change.vertices[:, at] = frames.origin + (1j * frames.angle - self.log_length) * out
-                change.vertices[self._object_rows, at] += corners[:, vertex]
+                change.vertices[:, span.queries.start] = self.corner(t.obstacle, frames, span.site.vertex)
+
+    def passing(self, obstacle: Obstacle, frames: FrameRates, points: Complex) -> tuple[Array, Complex]:
+        """Rates of g / L and grad g at points that stay, in the clamp's axes (k,): (p, k) each."""
+        gap, normal, (a, b) = obstacle.curvature(points)
+        arm = points - obstacle.frame.origin
+        turning, stretch = frames.angle[:, None], self.log_length[:, None]
+        moving = frames.origin[:, None] + 1j * turning * arm
+        away = stretch * arm - moving
+        gaps = stretch * (dot(normal, arm) - gap) - dot(normal, moving)
+        normals = a * away + b * away.conj() + 1j * turning * normal
+        g, gradient = self.object.at(obstacle.local(points))
+        gaps[self._object_rows] += g / self.setting.sections.length
+        normals[self._object_rows] += gradient * cmath.exp(1j * obstacle.frame.angle)
+        return gaps, normals
+
+    def corner(self, obstacle: Obstacle, frames: FrameRates, number: int) -> Complex:
+        """Rates of a corner of the object, by L in the clamp's axes, (p,)."""
+        out = obstacle.corners[number] - obstacle.frame.origin
+        found = frames.origin + (1j * frames.angle - self.log_length) * out
+        own = self.object.corners(self.setting.body.corners[number : number + 1])[:, 0]
+        found[self._object_rows] += own * cmath.exp(1j * obstacle.frame.angle) / self.setting.sections.length
+        return np.asarray(found)
 
     def _of_friction(self, t: Touching, change: Change) -> None:
         for span in t.spans:

@@ -18,6 +18,8 @@ from gripper.sensitivity.load_rates import LoadRates
 from gripper.sensitivity.section_rates import answered
 from gripper.statics.equilibrium import Equilibrium, Setting
 
+_CUT = 1e-6  # of L: segments end within this of the contacts that they were cut for
+
 
 @dataclass(frozen=True, eq=False)
 class Span:
@@ -129,6 +131,8 @@ class Touching:
                 continue
             nearest = int(np.argmin(np.abs(breaks - site.place[0])))
             left[at], right[at] = max(nearest - 1, 0), min(nearest, last)
+            if abs(breaks[nearest] - site.place[0]) > _CUT:  # a point that is only looked at
+                left[at] = right[at] = np.clip(np.searchsorted(breaks, site.place[0]) - 1, 0, last)
         return left, right
 
     def _read(self) -> None:

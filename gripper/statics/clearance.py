@@ -18,7 +18,8 @@ from gripper.statics.verified import Verified
 _FEET = 60  # six do; many where g is far from a parabola
 _TURN = 0.5  # rad: the most that a foot goes round its circle of curvature in a step
 _COARSE = 1e-3  # of an object's size: how near chords between samples of its outline are
-_OFF = 1e-7  # of L: a foot that near is on the outline
+OFF = 1e-7
+"""Of L: a foot that near is on the outline."""
 _ARRIVED = (
     1e-4  # last step, relative: what is left of a foot's way is its square, and of the distance the square of that
 )
@@ -39,7 +40,7 @@ def clearance(setting: Setting, verified: Verified) -> float:
 
 
 @dataclass(frozen=True, eq=False)
-class _Feet:
+class Feet:
     """Of points outside an object: the feet of their normals, how far these are, and the way there; (k,) each."""
 
     places: Complex
@@ -50,10 +51,10 @@ class _Feet:
 
 def distances(obstacle: Obstacle, points: Complex) -> Array:
     """Distances of points outside to the object, by L: to the feet of the normals, found by Newton's method."""
-    return _feet(obstacle, points, _beside(obstacle, points)).distances
+    return feet_of(obstacle, points, beside(obstacle, points)).distances
 
 
-def _beside(obstacle: Obstacle, points: Complex) -> Complex:
+def beside(obstacle: Obstacle, points: Complex) -> Complex:
     """The sample of the object's outline nearest to each point: feet of other normals lie about it."""
     samples = obstacle.place(_samples(obstacle.body))
     if not samples.size:
@@ -74,11 +75,11 @@ def _sampled(body: Object) -> Complex:
 _samples: PerInstance[Object, Complex] = PerInstance(_sampled)
 
 
-def _feet(obstacle: Obstacle, points: Complex, foot: Complex) -> _Feet:
+def feet_of(obstacle: Obstacle, points: Complex, foot: Complex) -> Feet:
     """The feet of points, found from others nearby."""
     g, normal, (a, b) = obstacle.curvature(points)
     if np.all(np.abs(np.abs(normal) - 1) < 1e-9):  # g is the distance itself
-        return _past_corners(obstacle, points, _Feet(points - g * normal, g, normal, _bend(1j * normal, a, b)))
+        return _past_corners(obstacle, points, Feet(points - g * normal, g, normal, _bend(1j * normal, a, b)))
     for _ in range(_FEET):
         g, normal, (a, b) = obstacle.curvature(foot)
         size = np.maximum(np.abs(normal), 1e-12)
@@ -98,7 +99,7 @@ def _feet(obstacle: Obstacle, points: Complex, foot: Complex) -> _Feet:
     found = np.abs(points - foot)
     outward = np.where(found > 0, (points - foot) / np.where(found > 0, found, 1.0), unit)
     return _past_corners(
-        obstacle, points, _Feet(foot, found, outward, curvature / np.maximum(1 + curvature * found, 0.5))
+        obstacle, points, Feet(foot, found, outward, curvature / np.maximum(1 + curvature * found, 0.5))
     )
 
 
@@ -108,11 +109,11 @@ def _bend(tangent: Complex, a: Array, b: Complex) -> Array:
     return bend
 
 
-def _past_corners(obstacle: Obstacle, points: Complex, feet: _Feet) -> _Feet:
+def _past_corners(obstacle: Obstacle, points: Complex, feet: Feet) -> Feet:
     """The feet found, but the nearest corner for one that is off the outline: beyond its edges' ends."""
     if not len(obstacle.corners):
         return feet
-    off = np.flatnonzero(np.abs(obstacle.gap(feet.places)) > _OFF * (1 + feet.distances))
+    off = np.flatnonzero(np.abs(obstacle.gap(feet.places)) > OFF * (1 + feet.distances))
     if off.size:
         corner = obstacle.corners[np.abs(points[off, None] - obstacle.corners).argmin(axis=1)]
         away = points[off] - corner
@@ -131,7 +132,7 @@ def _distance(setting: Setting, verified: Verified) -> float:
     close = np.flatnonzero(rough <= _WIDER * rough.min() + spacing)  # a small object lies between two samples
     samples, where = np.unique(seen.ends[:, close], return_inverse=True)
     points, tangents = seen.points[samples], seen.tangents[samples]
-    feet = _feet(obstacle, points, _beside(obstacle, points))
+    feet = feet_of(obstacle, points, beside(obstacle, points))
     least = float(feet.distances.min())
     first, last = where.reshape(2, -1)
     slopes, speeds = dot(feet.outward, tangents), np.abs(tangents)
@@ -171,7 +172,7 @@ def _between(
     u, least = low + level * (high - low), np.inf
     for _ in range(_NEARER):
         points, tangents, _ = setting.outline.trace(state.axis, stretches.piece, u, stretches.segment)
-        feet = _feet(obstacle, points, foot)
+        feet = feet_of(obstacle, points, foot)
         foot, least = feet.places, min(least, float(feet.distances.min()))
         slope = dot(feet.outward, tangents)
         # the second derivative of the distance along a straight outline, taken along all of c' as where d is a cone
