@@ -13,7 +13,7 @@ from gripper.contact.outline import dot
 from gripper.motion.climb import Measure
 from gripper.motion.watch import Watch
 from gripper.results.extremes import Extreme, Extremes
-from gripper.results.kept import Kept
+from gripper.results.kept import Kept, Way
 from gripper.results.loop import Loop
 from gripper.results.pose_result import PoseResult
 from gripper.scene import Scene
@@ -134,6 +134,7 @@ class Course:
             work_in=work_in,
             work_out=work_out,
             dissipation=dissipation,
+            way=Way(self.fixed, self.watch.path, self.order, tuple(self.watch.steps)),
         )
 
     def _highest(self, name: str, unit: float) -> Extreme:
@@ -217,10 +218,13 @@ class Course:
         fixed = self.fixed
         beam = fixed.beam((), self.order)
 
-        def distance(parameter: float) -> float:
+        def free(parameter: float) -> Equilibrium:
             obstacle = fixed.obstacle(self.watch.path.frame(parameter))
-            straight = settle(fixed, obstacle, State(beam, np.zeros(beam.size)), self.order)
-            return clearance(fixed, Verified(straight, survey(fixed, obstacle, straight.state, brief=True)))
+            return settle(fixed, obstacle, State(beam, np.zeros(beam.size)), self.order)
+
+        def distance(parameter: float) -> float:
+            straight = free(parameter)
+            return clearance(fixed, Verified(straight, survey(fixed, straight.obstacle, straight.state, brief=True)))
 
         low, high = min(places), max(places)
         within = [low, high]
@@ -228,7 +232,8 @@ class Course:
             xatol = _SHARP * (high - low)
             within.append(float(minimize_scalar(distance, bounds=within, method="bounded", options={"xatol": xatol}).x))
         found = [(distance(place), place) for place in (*within, *places)]
-        return Extreme(value=min(found)[0] * fixed.sections.length, parameter=min(found)[1])
+        least, place = min(found)
+        return Extreme(value=least * fixed.sections.length, parameter=place, kept=Kept(fixed, free(place)))
 
     def _work(self) -> tuple[float | None, ...]:
         """Work put in, got back and lost, in J: none with the published friction, whose shape does no such work."""

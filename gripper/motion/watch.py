@@ -65,6 +65,8 @@ class Watch:
     """Work so far, of a motion without friction: what the drive puts in and gets back, and what is lost in snaps."""
     touched: float | None = None
     """Where the first contact was met."""
+    steps: list[tuple[Along, Along, tuple[float, ...]]] = field(default_factory=list)
+    """Both ends of each, and where contacts changed between."""
     _stood: Along | None = None
     _broken: list[_Step] = field(default_factory=list)
     _hills: dict[str, list[tuple[float, tuple[Flank, ...]]]] = field(default_factory=dict)
@@ -85,6 +87,7 @@ class Watch:
         """
         if before.parameter == after.parameter:
             return
+        self.steps.append((before, after, tuple(changed)))
         if self.touched is None:
             self.touched = changed[0] if changed else before.parameter
         self._leap(before)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 
-from gripper.results.kept import Kept
+from gripper.results.kept import Kept, Way
 from gripper.results.pose_result import Record
 
 
@@ -53,6 +53,8 @@ class Extremes(Record):
         Work that the drive puts in where it works, and gets back where it is driven, over the whole motion, in J.
     dissipation
         Energy lost in friction and snaps over the whole motion, in J.
+    way
+        Its steps, for sensitivities of the work; None where they are not known.
     """
 
     insertion_force: Extreme | None = None
@@ -64,3 +66,4 @@ class Extremes(Record):
     work_in: float | None = None
     work_out: float | None = None
     dissipation: float | None = None
+    way: Way | None = dataclasses.field(default=None, compare=False, repr=False)

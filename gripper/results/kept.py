@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from gripper.motion.branch import Along, Path
     from gripper.statics.equilibrium import Equilibrium, Setting
 
 
@@ -37,6 +38,29 @@ class Kept:
         from gripper.statics.newton import polished  # results are read without the solver
 
         return polished(self.setting, self.equilibrium)
+
+    def __reduce__(self) -> tuple[Any, tuple[()]]:
+        return _nothing, ()
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Way:
+    """The steps of a motion in contact, from which the sensitivities of its work follow.
+
+    Parameters
+    ----------
+    setting, path
+        Finger, theory, object; where the object is.
+    order
+        Of the strain fields at its end.
+    steps
+        Their ends, and where contacts changed between, in the motion's order.
+    """
+
+    setting: Setting
+    path: Path
+    order: int
+    steps: tuple[tuple[Along, Along, tuple[float, ...]], ...]
 
     def __reduce__(self) -> tuple[Any, tuple[()]]:
         return _nothing, ()

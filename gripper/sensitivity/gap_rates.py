@@ -15,7 +15,9 @@ from gripper.sensitivity.seeds import Seeds, Solved
 from gripper.sensitivity.touching import Touching
 from gripper.statics.clearance import OFF, beside, footed
 from gripper.statics.equilibrium import Equilibrium
+from gripper.statics.newton import unloaded
 
+_APART = 1e-6  # of L: nearer points have no direction of their own, that of a face is across it
 _MARKS = 33  # of each piece
 _ZOOMS = 6  # each sixteen times as near: to the distance's round-off
 
@@ -35,13 +37,32 @@ def gap_rates(seeds: Seeds, equilibrium: Equilibrium) -> Array:
     moved = _moved(seeds, touching, solved)
     corner = int(np.argmin(np.abs(obstacle.corners - point))) if len(obstacle.corners) else -1
     if corner >= 0 and abs(abs(obstacle.corners[corner] - point[0]) - distance) < OFF * (1 + distance):
-        away = point - obstacle.corners[corner]
-        rate = dot(away / distance, moved - seeds.corner(obstacle, solved.frames, corner))
+        site, tangent = touching.sites[0], touching.tangents
+        across = touching.side(site) * 1j * tangent / np.abs(tangent)
+        unit = (point - obstacle.corners[corner]) / distance if distance > _APART or not site.place else across
+        rate = dot(unit, moved - seeds.corner(obstacle, solved.frames, corner))
     else:
         normal = obstacle.slope(foot)[1]
         unit = normal / np.abs(normal)
         rate = dot(unit, moved) + seeds.passing(obstacle, solved.frames, foot)[0][:, 0] / abs(normal[0])
     return np.asarray((rate + distance * seeds.log_length) * seeds.setting.sections.length)
+
+
+def meeting_rates(seeds: Seeds, parameter: float, order: int) -> Array:
+    """Rates of where on the motion the free finger meets its object, (p,): there the least distance vanishes.
+
+    Parameters
+    ----------
+    seeds
+        Of the numbers, with the motion's parameter after them.
+    parameter
+        Where.
+    order
+        Of the strain fields.
+    """
+    obstacle = seeds.setting.obstacle(seeds.kinematics.frame(parameter))
+    rates = gap_rates(seeds, unloaded(seeds.setting, obstacle, order))
+    return np.asarray(-rates[:-1] / rates[-1])
 
 
 def _moved(seeds: Seeds, touching: Touching, solved: Solved) -> Complex:

@@ -81,10 +81,12 @@ def side(result: Result, pose: PoseResult, kept: Kept) -> tuple[Side, str | None
         if event.kind == "snap":
             return "none", f"the finger snaps at {event.parameter:.6g}: {event.detail}"
         return "one-sided", f"{event.kind} at this pose: {event.detail}"
-    stability = pose.checks.stability
-    if stability is not None and stability < _SOFT:
-        return "none", f"the equilibrium is about to snap (stability {stability:.1e})"
-    reason = edge(kept)
+    checks = pose.checks
+    firmness = checks.stability if checks.singularity is None else checks.singularity
+    if firmness is not None and firmness < _SOFT:
+        return "none", f"the equilibrium is about to snap (stability {firmness:.1e})"
+    grazing = not kept.equilibrium.state.sites and (pose.min_gap or 0.0) < _END * kept.setting.sections.length
+    reason = "the object only just touches the finger" if grazing else edge(kept)
     return ("one-sided", reason) if reason else ("exact", None)
 
 

@@ -16,6 +16,7 @@ from gripper.sensitivity.seeds import Seeds
 from gripper.statics.equilibrium import Equilibrium
 from gripper.statics.profile import largest_strain
 
+_AT_END = 1e-9  # of half a segment
 _Known: TypeAlias = tuple[float, Array]  # a number, and its rates
 Table: TypeAlias = dict[str, Array]
 """Rates by name: (p,), or (p, 2) of vectors."""
@@ -40,13 +41,12 @@ class Reading:
 
     def table(self) -> Table:
         """All rates by name."""
-        t, rates, scales = self.touching, self.rates, self.scales
-        energy = rates.energy + t.equilibrium.state.energy * self.seeds.log_energy
+        t, scales = self.touching, self.scales
         local = self._force()
         turn = np.exp(1j * self.seeds.kinematics.placement(self.parameter or 0.0).clamp[2])
         world = turn * (local - 1j * self.frames.clamp_angle * t.forces.sum())
         out = {
-            "energy": energy * scales.energy_scale,
+            "energy": self.energy(),
             "force_on_object": _plane(world * scales.force_scale),
             "force_on_object_finger_frame": _plane(local * scales.force_scale),
             "moment_on_object": -self._moment(t.equilibrium.obstacle.frame.origin, self.frames.origin),
@@ -60,6 +60,11 @@ class Reading:
         if push is not None and push.conservative:
             out["load_energy"] = self.load_energy()
         return out | self._tip(turn)
+
+    def energy(self) -> Array:
+        """Rate of the strain energy, in J."""
+        whole = self.touching.equilibrium.state.energy * self.seeds.log_energy
+        return np.asarray((self.rates.energy + whole) * self.scales.energy_scale)
 
     def size(self) -> Array:
         """Rate of the size of the force on the object, in N."""
@@ -147,6 +152,14 @@ class Reading:
         strains = t.beam.strains(t.equilibrium.state.z, section.place, segment)
         made = Sectioned(self.seeds.finger, section.place, t.beam.fields)
         return made.strain(strains, moment, along, lambda rates: self.seeds.spread(rates[1:, 0]) + moving * rates[0, 0])
+
+    def strain_place(self) -> Array | None:
+        """Rate of the place of the largest strain, in m; None where it is not held by the end of a segment."""
+        _, s = largest_strain(self.touching.setting, self.touching.equilibrium)
+        section = self._section(s)
+        if abs(section.x) < 1 - _AT_END:
+            return None
+        return np.asarray((self._moving(section) + s * self.seeds.log_length) * self.scales.length)
 
     def _outer(self, section: _Section) -> tuple[float, complex, tuple[Array, Complex]]:
         """Moment and force of all that acts further out than a section, and their rates."""

@@ -7,7 +7,7 @@ changes: f_p + f_q q_p, q_p from the condition of the change.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -30,6 +30,17 @@ _CLIMBS = 4
 _MEETING = 1e-5  # of L: how far a contact's twin on the next edge may be from the edge's end
 
 
+@dataclass(frozen=True, eq=False)
+class Peaking:
+    """Derivatives of what is largest, (p,) each; None where they are not known."""
+
+    value: Array | None
+    place: Array | None
+    """Of the motion's parameter there: known where something changes, or the motion ends."""
+    along: Array | None
+    """Of the place on the finger, in m."""
+
+
 class Summit:
     """What is largest at an equilibrium of a motion, and its rates.
 
@@ -46,21 +57,29 @@ class Summit:
         motion = seeds.scene.motion
         self.ends = (min(motion.values), max(motion.values)) if motion else None
 
-    def rates(self, equilibrium: Equilibrium) -> Array | None:
-        """Derivatives of the largest value by the numbers (p,); None where they are not known."""
+    def rates(self, equilibrium: Equilibrium) -> Peaking:
+        """Derivatives of the largest value by the numbers, and of its place."""
         here = self._read(equilibrium)
         parameter = equilibrium.obstacle.frame.parameter
         if parameter is None or self.ends is None:
-            return here
+            return Peaking(here, None, self._along(equilibrium, None))
         if parameter in self.ends:
-            return here[:-1]
+            held = np.zeros(here.size - 1)
+            return Peaking(here[:-1], held, self._along(equilibrium, held))
         moving = _moving(self.seeds, equilibrium)
         if moving is not None:
-            whole: Array = here[:-1] + moving * here[-1]
-            return whole
+            return Peaking(here[:-1] + moving * here[-1], moving, self._along(equilibrium, moving))
         if self._rise(here, equilibrium) > _STATIONARY:
-            return None
-        return self._climbed(equilibrium, parameter, here)[:-1]
+            return Peaking(None, None, None)
+        along = self._along(equilibrium, None)
+        if along is not None:  # known at the clamp, wherever the motion is
+            along = None if along[-1] else along[:-1]
+        return Peaking(self._climbed(equilibrium, parameter, here)[:-1], None, along)
+
+    def _along(self, equilibrium: Equilibrium, moving: Array | None) -> Array | None:
+        """Derivatives of where on the finger the strain is largest, in m, as the place of the motion moves."""
+        found = Reading(self.seeds, equilibrium).strain_place() if self.name == "max_strain" else None
+        return found if found is None or moving is None else found[:-1] + moving * found[-1]
 
     def _read(self, equilibrium: Equilibrium) -> Array:
         reading = Reading(self.seeds, equilibrium)

@@ -58,8 +58,9 @@ class Sensitivity(Record):
     poses
         One entry a pose.
     summary
-        Derivatives of :meth:`gripper.Result.summary`'s peaks, ratio and margins by their names; None where none is
-        known: what is largest because the finger snaps, or begins to stick, there.
+        Derivatives of :meth:`gripper.Result.summary`'s numbers by their names; None where there is none.
+    reasons
+        Why, by the same names: the summary does not have the number, the finger snaps there, ...
 
     Of a result of one pose, that pose's derivatives are its own: ``sensitivity.energy``.
     """
@@ -68,6 +69,7 @@ class Sensitivity(Record):
     value: float
     poses: tuple[PoseSensitivity, ...]
     summary: Mapping[str, float | None] = dataclasses.field(default_factory=dict)
+    reasons: Mapping[str, str] = dataclasses.field(default_factory=dict)
 
     @property
     def pose(self) -> PoseSensitivity:
@@ -123,7 +125,7 @@ def sensitivities(result: Result, keys: Sequence[str] | None = None) -> dict[str
     values = {key: known[key] if key in known else number(scene, key) for key in keys}
     refusal(scene)
     kept = [_kept(pose) for pose in result.poses]
-    summary: Rows = {}
+    summary = Rows()
     first = next((k for k in kept if k is not None), None)
     if first is None:
         tables: list[list[PoseSensitivity]] = [[_none(pose, pose.reason) for _ in keys] for pose in result.poses]
@@ -136,7 +138,9 @@ def sensitivities(result: Result, keys: Sequence[str] | None = None) -> dict[str
             key=key,
             value=values[key],
             poses=tuple(table[i] for table in tables),
-            summary={name: None if rates is None else float(rates[i]) for name, rates in summary.items()},
+            summary={name: float(rates[i]) for name, rates in summary.known.items()}
+            | dict.fromkeys(summary.reasons, None),
+            reasons=summary.reasons,
         )
         for i, key in enumerate(keys)
     }

@@ -1,29 +1,58 @@
-"""Derivatives of a summary's numbers."""
+"""Derivatives of a summary's numbers, and of those without, why."""
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, TypeAlias
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gripper.arrays import Array
 from gripper.pose import placed
 from gripper.results.extremes import Extreme
+from gripper.results.summary import Summary
+from gripper.sensitivity.gap_rates import gap_rates, meeting_rates
 from gripper.sensitivity.memory import UnknownPastError
-from gripper.sensitivity.peaks import Summit
+from gripper.sensitivity.peaks import Peaking, Summit
 from gripper.sensitivity.seeds import Seeds
+from gripper.sensitivity.work_rates import Account
 from gripper.statics.contact_forces import drive
+from gripper.statics.equilibrium import NoEquilibriumError
 
 if TYPE_CHECKING:
     from gripper.result import Result
 
-Rows: TypeAlias = dict[str, Array | None]
-_FORCES = ("insertion_force", "retention_force")
+_NO_LOSS = 1e-6  # of the work put in: what is lost in less, without friction, is no snap
+_COUNTED = ("parameter", "poses", "failed", "locked")
+_ABSENT = "the summary has none"
+_HELD = "it is largest where the finger snaps or a hold begins: how that place moves is not known"
+_SMOOTH = "where a smooth peak lies moves with second derivatives of the equations, which are not formed"
+_LOST = "the equilibrium of the peak is not known"
+_LIMIT = "the peak is at a limit point, where derivatives are infinite"
+_LOCKING = (
+    "the coefficient that locks the finger changes with second derivatives of the equations, which are not formed"
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """Derivatives (p,) of a summary's numbers by their names, and why others have none."""
+
+    known: dict[str, Array] = field(default_factory=dict)
+    reasons: dict[str, str] = field(default_factory=dict)
+
+    def put(self, name: str, rates: Array | None, reason: str) -> None:
+        """Note derivatives, or why there are none."""
+        if rates is None:
+            self.reasons[name] = reason
+        else:
+            self.known[name] = rates
 
 
 def summary_rates(result: Result, seeds: Seeds, keys: Sequence[str]) -> Rows:
-    """Derivatives (p,) of a summary's peaks, ratio and margins by their names; None where none is known.
+    """Derivatives of a summary's numbers.
 
     Parameters
     ----------
@@ -32,64 +61,108 @@ def summary_rates(result: Result, seeds: Seeds, keys: Sequence[str]) -> Rows:
     seeds
         Of the keys, with the motion's parameter after them where there is a motion.
     keys
-        The numbers.
+        The numbers, p of them.
     """
-    known = _extremes(result)
-    out: Rows = {name: _force(known.get(name), seeds, len(keys)) for name in _FORCES}
-    there, back = (out[name] for name in _FORCES)
-    ratio = result.summary().retention_ratio
-    if there is not None and back is not None and ratio is not None:
-        first = known["insertion_force"]
-        out["retention_ratio"] = (back - ratio * there) / (first.value if first else np.nan)
-    out["force_on_object"] = _largest(known.get("force_on_object"), "force", seeds, len(keys))
-    out["strain"] = strain = _largest(known.get("strain"), "max_strain", seeds, len(keys))
-    return out | _margins(result, strain, keys)
+    peaks, rows, summary = _extremes(result), Rows(), result.summary()
+    for name, what in _PEAKS.items():
+        _peak(rows, name, what, peaks.get(name), seeds, keys)
+    _clearance(rows, result, peaks.get("clearance"), seeds, keys)
+    _ratio(rows, summary)
+    _margins(rows, result, keys)
+    _work(rows, result, seeds, keys)
+    unlocked = np.zeros(len(keys)) if summary.locking_margin_at is None else None
+    for name in ("locking_margin", "locking_margin_at"):
+        rows.put(name, unlocked, _LOCKING)
+    for number in dataclasses.fields(Summary):
+        if number.name not in _COUNTED and getattr(summary, number.name) is None:
+            rows.known.pop(number.name, None)
+            rows.reasons[number.name] = _ABSENT
+    return rows
+
+
+_PEAKS = {
+    "insertion_force": "motion_force",
+    "retention_force": "motion_force",
+    "strain": "max_strain",
+    "force_on_object": "force",
+}
 
 
 def _extremes(result: Result) -> dict[str, Extreme | None]:
     """The peaks, with their equilibria: of one pose itself."""
-    names = ("insertion_force", "retention_force", "strain", "force_on_object")
     if result.extremes is not None:
-        return {name: getattr(result.extremes, name) for name in names}
+        return {name: getattr(result.extremes, name) for name in (*_PEAKS, "clearance")}
     pose = result.poses[0]
     if len(result.poses) > 1 or pose.kept is None:
         return {}
     force = float(np.hypot(*(pose.force_on_object or (0.0, 0.0))))
-    strain = Extreme(value=pose.max_strain or 0.0, kept=pose.kept)
-    return {"strain": strain, "force_on_object": Extreme(value=force, kept=pose.kept)}
+    values = {"strain": pose.max_strain or 0.0, "force_on_object": force, "clearance": max(pose.min_gap or 0.0, 0.0)}
+    return {name: Extreme(value=value, kept=pose.kept) for name, value in values.items()}
 
 
-def _rates(peak: Extreme | None, name: str, seeds: Seeds) -> Array | None:
-    if peak is None or peak.kept is None:
-        return None
+def _peak(rows: Rows, name: str, what: str, peak: Extreme | None, seeds: Seeds, keys: Sequence[str]) -> None:
+    """A peak, where it is and, of the strain, where on the finger."""
+    if peak is None:
+        return
+    if peak.value == 0 and (peak.kept is None or what == "force"):  # nothing is touched, and nothing changes
+        rows.put(name, np.zeros(len(keys)), "")
+        return
+    found, reason = _located(peak, what, seeds)
+    sign = float(np.sign(drive(peak.kept.exact))) if peak.kept and what == "motion_force" else 1.0
+    rows.put(name, None if found is None or found.value is None else sign * found.value, reason or _HELD)
+    why = reason or (_SMOOTH if name in rows.known else _HELD)
+    rows.put(f"{name}_at", found.place if found else None, why)
+    if name == "strain":
+        rows.put("strain_s", found.along if found else None, why)
+
+
+def _located(peak: Extreme, what: str, seeds: Seeds) -> tuple[Peaking | None, str | None]:
+    """A peak's derivatives, or why there are none."""
+    if peak.kept is None:
+        return None, _LOST
     try:
-        return Summit(seeds, name).rates(peak.kept.exact)
-    except (UnknownPastError, np.linalg.LinAlgError):
-        return None  # the finger snaps there, or a contact remembers what no number of the scene says
+        return Summit(seeds, what).rates(peak.kept.exact), None
+    except UnknownPastError as error:
+        return None, f"{error}: where it began to is not known by the scene's numbers"
+    except np.linalg.LinAlgError:
+        return None, _LIMIT
 
 
-def _nothing(peak: Extreme | None, count: int) -> Array | None:
-    """Of a peak that is 0: nothing is touched, and nothing changes."""
-    return np.zeros(count) if peak is not None and peak.value == 0 and peak.kept is None else None
+def _clearance(rows: Rows, result: Result, least: Extreme | None, seeds: Seeds, keys: Sequence[str]) -> None:
+    """The least distance: 0 where the finger touches; its place is where that is least, or where it first touches."""
+    motion, none = seeds.scene.motion, np.zeros(len(keys))
+    if least is None:
+        return
+    held = motion is not None and least.parameter in (motion.values[0], min(motion.values), max(motion.values))
+    if least.value > 0:
+        rates = gap_rates(seeds, least.kept.exact)[: len(keys)] if least.kept else None
+        rows.put("clearance", rates, _LOST)
+        rows.put("clearance_at", none if held else None, _SMOOTH)
+        return
+    rows.put("clearance", none, "")
+    way = result.extremes.way if result.extremes else None
+    if held or least.parameter is None:
+        rows.put("clearance_at", none, "")
+    elif way is not None:
+        rows.put("clearance_at", meeting_rates(seeds, least.parameter, way.order), "")
 
 
-def _force(peak: Extreme | None, seeds: Seeds, count: int) -> Array | None:
-    found = _rates(peak, "motion_force", seeds)
-    if found is None or peak is None or peak.kept is None:
-        return _nothing(peak, count)
-    signed: Array = found * np.sign(drive(peak.kept.equilibrium))
-    return signed
+def _ratio(rows: Rows, summary: Summary) -> None:
+    there, back = (rows.known.get(name) for name in ("insertion_force", "retention_force"))
+    if summary.retention_ratio is None or summary.insertion_force is None:
+        return
+    missing = next((rows.reasons[n] for n in ("insertion_force", "retention_force") if n in rows.reasons), "")
+    rates = (
+        None if there is None or back is None else (back - summary.retention_ratio * there) / summary.insertion_force
+    )
+    rows.put("retention_ratio", rates, missing)
 
 
-def _largest(peak: Extreme | None, name: str, seeds: Seeds, count: int) -> Array | None:
-    found = _rates(peak, name, seeds)
-    return _nothing(peak, count) if found is None else found
-
-
-def _margins(result: Result, strain: Array | None, keys: Sequence[str]) -> Rows:
+def _margins(rows: Rows, result: Result, keys: Sequence[str]) -> None:
     """Of 1 - strain / permissible strain."""
     material = placed(result.scene.finger).body.material
     value, own = result.summary().strain, material.repeated_strain is not None
+    strain = rows.known.get("strain")
     limits = {
         "strain_margin": (material.yield_strain, "material.yield_strain"),
         "repeated_strain_margin": (
@@ -97,13 +170,45 @@ def _margins(result: Result, strain: Array | None, keys: Sequence[str]) -> Rows:
             "material.repeated_strain" if own else "material.yield_strain",
         ),
     }
-    out: Rows = {}
     for name, (limit, key) in limits.items():
-        if limit is None or strain is None or value is None:
+        if limit is None or value is None:
+            continue
+        if strain is None:
+            rows.reasons[name] = rows.reasons.get("strain", _LOST)
             continue
         margin = -strain / limit
         if key in keys:
             share = limit / (material.yield_strain or limit) if name.startswith("repeated") and not own else 1.0
             margin[keys.index(key)] += value / limit**2 * share
-        out[name] = margin
-    return out
+        rows.known[name] = margin
+
+
+def _work(rows: Rows, result: Result, seeds: Seeds, keys: Sequence[str]) -> None:
+    """Work put in, got back and lost."""
+    names = ("work_in", "work_out", "dissipation")
+    found, reason = None, _unbooked(result)
+    way = result.extremes.way if result.extremes else None
+    if reason is None and way is not None:
+        try:
+            found = Account(seeds, way).rates()
+        except UnknownPastError as error:
+            reason = f"{error}: where it began to is not known by the scene's numbers"
+        except (NoEquilibriumError, np.linalg.LinAlgError) as error:
+            reason = f"the motion's way is not found again: {error}"
+    for name in names:
+        rows.put(name, None if found is None else getattr(found, name)[: len(keys)], reason or _ABSENT)
+
+
+def _unbooked(result: Result) -> str | None:
+    """Why the work of a motion has no derivatives."""
+    summary = result.summary()
+    if summary.work_in is None or summary.dissipation is None:
+        return _ABSENT
+    if summary.failed or summary.locked:
+        return "not all poses have an answer"
+    friction = result.scene.friction
+    lossless = friction is None or friction.absent
+    snapped = any(event.kind == "snap" for event in result.events)
+    if snapped or (lossless and summary.dissipation > _NO_LOSS * summary.work_in):
+        return "the finger snaps on the way: what is lost there is not differentiated"
+    return None
