@@ -220,6 +220,9 @@ def agree_with_differences(scene, keys):
         assert exact.kind == "exact"
         for name in NAMES:
             near, far = (read(shifted[n], name) - read(shifted[-n], name) for n in (1, 2))
+            if name == "min_gap" and result.poses[-1].contacts:
+                assert exact.min_gap == 0 and abs(shifted[1].min_gap) < 1e-10
+                continue
             size = max(np.abs(read(shifted[1], name)).max(), 1e-5) / (abs(value) or 1.0)
             np.testing.assert_allclose(
                 read(exact, name), (8 * near - far) / (12 * step), rtol=1e-5, atol=1e-6 * size, err_msg=f"{key} {name}"

@@ -37,9 +37,9 @@ def gap_rates(seeds: Seeds, equilibrium: Equilibrium) -> Array:
     moved = _moved(seeds, touching, solved)
     corner = int(np.argmin(np.abs(obstacle.corners - point))) if len(obstacle.corners) else -1
     if corner >= 0 and abs(abs(obstacle.corners[corner] - point[0]) - distance) < OFF * (1 + distance):
-        site, tangent = touching.sites[0], touching.tangents
-        across = touching.side(site) * 1j * tangent / np.abs(tangent)
-        unit = (point - obstacle.corners[corner]) / distance if distance > _APART or not site.place else across
+        site, unit = touching.sites[0], (point - obstacle.corners[corner]) / max(distance, _APART)
+        if distance < _APART and site.place:
+            unit = touching.side(site) * 1j * touching.tangents / np.abs(touching.tangents)
         rate = dot(unit, moved - seeds.corner(obstacle, solved.frames, corner))
     else:
         normal = obstacle.slope(foot)[1]
