@@ -159,7 +159,7 @@ def solved(scene, state, parameter):
 
 @pytest.mark.parametrize("motion", MOTIONS)
 def test_derivatives_are_those_of_the_discrete_equations_by_every_number(motion):
-    agree_with_differences(MOTIONS[motion], r"^(?!object.(vertices|points).[13-9])")  # of points a few
+    agree_with_differences(MOTIONS[motion], r"^(?!object.(vertices|points).[13-9])", fine=True)  # of points a few
 
 
 @pytest.mark.parametrize("motion", LOADED)
@@ -204,28 +204,32 @@ def test_so_are_those_of_the_least_distance_of_what_does_not_touch(motion):
     assert abs(result.sensitivity("object.pose.y").poses[-1].min_gap) > 0.1
 
 
-def agree_with_differences(scene, keys):
-    """Compare the derivatives of a motion's last pose, by the numbers whose keys match, with central differences."""
+def agree_with_differences(scene, keys, *, fine=False):
+    """Compare the derivatives of a motion's last pose, by the numbers whose keys match, with central differences.
+
+    These are of second order, or where numbers bend fast (fine) of fourth.
+    """
     *_, last = follow(scene)
     result = gr.trace(scene)
     for key, sensitivity in result.sensitivities().items():
         if not re.search(keys, key):
             continue
         value, exact = numbers(scene)[key], sensitivity.poses[-1]
-        step = 1e-3 * (1.0 if key == "finger.rest_curvature" else abs(value) or 1e-2)
+        step = (1e-3 if fine else 2e-4) * (1.0 if key == "finger.rest_curvature" else abs(value) or 1e-2)
         shifted = {
             n: solved(replaced(scene, {key: value + n * step}), last.equilibrium.state, scene.motion.values[-1])
-            for n in (-2, -1, 1, 2)
+            for n in ((-2, -1, 1, 2) if fine else (-1, 1))
         }
         assert exact.kind == "exact"
         for name in NAMES:
-            near, far = (read(shifted[n], name) - read(shifted[-n], name) for n in (1, 2))
+            near, far = (read(shifted[n], name) - read(shifted[-n], name) for n in (1, 2 if fine else 1))
+            differences = (8 * near - far) / (12 * step) if fine else near / (2 * step)
             if name == "min_gap" and result.poses[-1].contacts:
                 assert exact.min_gap == 0 and abs(shifted[1].min_gap) < 1e-10
                 continue
             size = max(np.abs(read(shifted[1], name)).max(), 1e-5) / (abs(value) or 1.0)
             np.testing.assert_allclose(
-                read(exact, name), (8 * near - far) / (12 * step), rtol=1e-5, atol=1e-6 * size, err_msg=f"{key} {name}"
+                read(exact, name), differences, rtol=1e-5, atol=1e-6 * size, err_msg=f"{key} {name}"
             )
 
 
