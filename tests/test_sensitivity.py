@@ -174,7 +174,9 @@ def test_so_are_those_under_a_law_of_the_material_s_own(motion):
 
 @pytest.mark.parametrize("motion", COMPOSED)
 def test_so_are_those_by_the_numbers_of_an_object_s_parts(motion):
-    agree_with_differences(COMPOSED[motion], r"object.parts?\b.*(radius|x|angle|vertices.[23])|object.distance")
+    agree_with_differences(
+        COMPOSED[motion], r"object.parts?\b.*(radius|x|angle|vertices.[23])|object.distance", fine=True
+    )
 
 
 def beside(body, finger=TAPERED, **options):
@@ -292,7 +294,7 @@ def test_derivatives_of_the_summary_follow_its_numbers_or_say_why_there_are_none
             assert len(found.reasons[name]) > 10
             continue
         near, far = (getattr(shifted[n], name) - getattr(shifted[-n], name) for n in (1, 2))
-        assert exact == pytest.approx((8 * near - far) / (12 * step), rel=BOOKED.get(name, 1e-4), abs=1e-9), name
+        assert exact == pytest.approx((8 * near - far) / (12 * step), rel=BOOKED.get(name, 3e-4), abs=1e-9), name
     assert set(found.summary) | COUNTED == {f.name for f in dataclasses.fields(result.summary())}
     known = {name for name, exact in found.summary.items() if exact is not None}
     assert known >= {"insertion_force", "force_on_object", "strain", "clearance", "clearance_at", *BOOKED}

@@ -13,7 +13,7 @@ from gripper.contact.site import Site
 from gripper.sensitivity.flow import flow
 from gripper.sensitivity.seeds import Seeds, Solved
 from gripper.sensitivity.touching import Touching
-from gripper.statics.clearance import OFF, beside, footed
+from gripper.statics.clearance import OFF, beside, feet_of
 from gripper.statics.equilibrium import Equilibrium
 from gripper.statics.newton import unloaded
 
@@ -32,8 +32,8 @@ def gap_rates(seeds: Seeds, equilibrium: Equilibrium) -> Array:
     solved, obstacle = seeds.solved(equilibrium), equilibrium.obstacle
     touching = Touching(seeds.setting, _looking(seeds, equilibrium), seeds.finger, seeds.loads)
     point = touching.points
-    found, foot = footed(obstacle, point, beside(obstacle, point))
-    distance = float(found[0])
+    feet = feet_of(obstacle, point, beside(obstacle, point))
+    foot, distance = feet.places, float(feet.distances[0])
     moved = _moved(seeds, touching, solved)
     corner = int(np.argmin(np.abs(obstacle.corners - point))) if len(obstacle.corners) else -1
     if corner >= 0 and abs(abs(obstacle.corners[corner] - point[0]) - distance) < OFF * (1 + distance):
@@ -91,7 +91,7 @@ def _nearest(outline: Outline, equilibrium: Equilibrium) -> tuple[int, float]:
     def distances(piece: Index, u: Array) -> Array:
         segment = np.where(piece <= UPPER, state.beam.segment_of(u), state.beam.segments - 1)
         points = outline.trace(state.axis, piece, u, segment)[0]
-        return footed(obstacle, points, beside(obstacle, points))[0]
+        return feet_of(obstacle, points, beside(obstacle, points)).distances
 
     pieces = np.repeat(np.arange(lengths.size), _MARKS)
     marks = (lengths[:, None] * np.linspace(0.0, 1.0, _MARKS)).ravel()
