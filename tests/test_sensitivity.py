@@ -122,7 +122,7 @@ COMPOSED = {
         friction=SLIPPERY,
     ),
     "a corner cut into a circle": pushed(
-        Difference(parts=(Circle(radius=0.02), Circle(radius=0.02).at(x=0.018, y=0.02))), 0.0, "bending"
+        Difference(parts=(Circle(radius=0.02), Circle(radius=0.02).at(x=0.012, y=0.022))), 0.0, "bending"
     ),
     "grown": pushed(Grown(part=Polygon(vertices=UNEVEN), distance=0.002), 0.3, "shear"),
 }
@@ -145,7 +145,7 @@ def read(pose, name):
 
 def solved(scene, state, parameter):
     """The pose of a scene on the segments of a known state, cut anew until they end at its contacts."""
-    fixed = setting(scene)
+    fixed = dataclasses.replace(setting(scene), tolerance=1e-8)  # segments end at the contacts, to round-off
     kinematics = Kinematics(scene, fixed.sections.length)
     law = fixed.friction
     grips = [site.grip and dataclasses.replace(site.grip, law=law) for site in state.sites]
