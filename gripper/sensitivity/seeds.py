@@ -165,7 +165,7 @@ class Seeds:
         return known
 
     def _fitted(self, equilibrium: Equilibrium) -> Equilibrium:
-        """The equilibrium on segments that end at its contacts to round-off: those of a pose end as near as is asked."""
+        """The equilibrium on segments that end at its contacts to round-off: a pose's end as near as is asked."""
         state = equilibrium.state
         if ends_at(state.beam, self.setting.breaks(state.sites), 0.0):
             return equilibrium
