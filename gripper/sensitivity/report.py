@@ -20,6 +20,7 @@ from gripper.sensitivity.object_rates import object_rates
 from gripper.sensitivity.opened import NotOpenError
 from gripper.sensitivity.seeds import Seeds
 from gripper.sensitivity.summary_rates import Rows, summary_rates
+from gripper.statics.equilibrium import NoEquilibriumError
 
 if TYPE_CHECKING:
     from gripper.result import Result
@@ -192,7 +193,7 @@ def _of_pose(result: Result, seeds: Seeds, pose: PoseResult, kept: Kept | None) 
     if kind != "none":
         try:
             return _rows(Reading(seeds, kept.exact).table(), pose, seeds, kind, reason)
-        except np.linalg.LinAlgError:
+        except (NoEquilibriumError, np.linalg.LinAlgError):
             reason = "the equilibrium is at a limit point, where its derivatives are infinite"
         except UnknownPastError as error:
             reason = f"{error}: where it began to is not known by the scene's numbers"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import cmath
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 
 import numpy as np
 import sympy
@@ -25,14 +25,12 @@ from gripper.sensitivity.memory import Memory
 from gripper.sensitivity.object_rates import object_rates
 from gripper.sensitivity.tangent import Rates, rates
 from gripper.sensitivity.touching import Touching
-from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting
-from gripper.statics.newton import settle
-from gripper.statics.steps import ends_at
+from gripper.statics.equilibrium import Equilibrium, Setting
+from gripper.statics.newton import polished
 
 MOTION = "the motion's parameter"
 _POSES = ("x", "y", "angle")
 _SAME = 1e-9  # of L
-_FIT = 1e-8  # tolerance of what is differentiated
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,24 +153,20 @@ class Seeds:
         return x + 1j * y, angle
 
     def solved(self, equilibrium: Equilibrium) -> Solved:
-        """The rates of an equilibrium by all numbers, reckoned once."""
+        """The rates of an equilibrium by all numbers, reckoned once: of it to round-off.
+
+        Raises
+        ------
+        NoEquilibriumError, LinAlgError
+            At a limit point.
+        """
         known = self._solved.get(id(equilibrium))
         if known is None:
-            touching = Touching(self.setting, self._fitted(equilibrium), self.finger, self.loads)
+            touching = Touching(self.setting, polished(self.setting, equilibrium), self.finger, self.loads)
             frames = self.frames(equilibrium.obstacle.frame.parameter)
             known = Solved(touching, frames, rates(touching, self.change(touching, frames)))
             self._solved[id(equilibrium)] = known  # which keeps the equilibrium, and so its id
         return known
-
-    def _fitted(self, equilibrium: Equilibrium) -> Equilibrium:
-        """The equilibrium on segments that end at its contacts to round-off: a pose's end as near as is asked."""
-        state = equilibrium.state
-        if ends_at(state.beam, self.setting.breaks(state.sites), 0.0):
-            return equilibrium
-        try:
-            return settle(replace(self.setting, tolerance=_FIT), equilibrium.obstacle, state, state.beam.order)
-        except NoEquilibriumError:
-            return equilibrium
 
     def change(self, touching: Touching, frames: FrameRates) -> Change:
         """The directions of all numbers at an equilibrium."""

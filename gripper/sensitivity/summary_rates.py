@@ -124,7 +124,7 @@ def _located(peak: Extreme, what: str, seeds: Seeds) -> tuple[Peaking | None, st
         return Summit(seeds, what).rates(peak.kept.exact), None
     except UnknownPastError as error:
         return None, f"{error}: where it began to is not known by the scene's numbers"
-    except np.linalg.LinAlgError:
+    except (NoEquilibriumError, np.linalg.LinAlgError):
         return None, _LIMIT
 
 
