@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from gripper.beam.sections import sections
 from gripper.pose import placed
-from gripper.scene import Scene
+
+if TYPE_CHECKING:
+    from gripper.scene import Scene
 
 PART = 1e-12
 """Of what bends a finger by its own length, and of 1: less is nothing."""

@@ -150,7 +150,7 @@ def _headlines(result: Result) -> list[str]:
     """The numbers of a motion that a designer asks for, located between the poses; of one pose the table has them."""
     if len(result.poses) == 1:
         return []
-    summary = result.summary()
+    summary = result.summary().rounded(least(result.scene))
     rough = result.scene.friction is not None and not result.scene.friction.absent
     lines = summary.lines(name for name in _HEADLINES if rough or name not in ("dissipation", "locking_margin"))
     if summary.locked:

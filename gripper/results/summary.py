@@ -5,13 +5,14 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from gripper.pose import placed
 from gripper.results.extremes import Extreme, Extremes
 from gripper.results.pose_result import PoseResult, Record
 
 if TYPE_CHECKING:
+    from gripper.results.nothing import Least
     from gripper.result import Result
 
 
@@ -90,6 +91,13 @@ class Summary(Record):
         if self.failed:
             lines.append(f"WARNING: {self.failed} of {self.poses} poses failed; these are the numbers of the others")
         return "\n".join(lines)
+
+    def rounded(self, least: Least) -> Summary:
+        """The same; what is nothing is 0."""
+        none = {"N": least.force, "J": least.energy, "m": least.length, "": least.ratio}
+        known = {name: getattr(self, name) for name in QUANTITIES if getattr(self, name) is not None}
+        small: dict[str, Any] = {name: 0.0 for name, x in known.items() if abs(x) < none[QUANTITIES[name]]}
+        return dataclasses.replace(self, **small)
 
     def lines(self, names: Iterable[str]) -> list[str]:
         """One line for each of these quantities that is known."""
