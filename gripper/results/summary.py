@@ -12,8 +12,8 @@ from gripper.results.extremes import Extreme, Extremes
 from gripper.results.pose_result import PoseResult, Record
 
 if TYPE_CHECKING:
-    from gripper.results.nothing import Least
     from gripper.result import Result
+    from gripper.results.nothing import Least
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
