@@ -418,6 +418,21 @@ def test_where_slip_turns_the_answer_does_not_depend_on_how_far_apart_the_poses_
     assert math.dist(far.force, near.force) < 0.01 * math.hypot(*near.force)
 
 
+def test_a_long_step_that_meets_the_object_does_not_count_its_way_there_as_slip():
+    corners = [0.025 * np.exp(2j * np.pi * i / 24) for i in range(24)]
+    target = Polygon(vertices=tuple((c.real, c.imag) for c in corners)).at(x=0.07, y=-0.02 + scenes.Q)
+    nylon = gr.Material(youngs_modulus=2e9, poisson_ratio=0.4)
+    scene = gr.Scene(
+        finger=Uniform(length=0.1, thickness=0.006, width=0.01, material=nylon),
+        object=target,
+        motion=gr.Motion("q", (-0.02, -0.005)),  # which touches at -0.008, after two steps and a half
+        friction=gr.Friction(coefficient=0.3),
+    )
+    pose, expected = follow(scene, (-0.02, -0.005), elements=(30, 2))[-1], gr.trace(scene).poses[-1]
+    assert expected.force_on_object[0] > 3  # towards the tip; the way there, along the bent face, led to the base
+    assert math.dist(pose.force, expected.force_on_object) < 0.01 * math.hypot(*pose.force)
+
+
 @pytest.mark.parametrize(
     ("name", "jaw", "mu", "within"),
     [

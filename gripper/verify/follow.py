@@ -17,6 +17,7 @@ from gripper.verify.touch import History
 LONGEST = 0.15  # of L: a step without friction
 ROUGH = 0.05  # of L: with friction, where the way matters
 TURNING = 5e-3  # of L: where slip turns, as a longer step would see the net slip alone
+MEETING = 2e-3  # of L: where the finger meets the object; a tenth of its thickness where that is less
 SHORTEST = 1e-4  # of L: where steps this short fail, the equilibrium has ended, or needs damping to be found
 GROWTH = 1.5  # of a step on the one before
 DEEPEST = 1e-3  # of the thickness: a deeper contact is no answer
@@ -192,10 +193,17 @@ class Follower:
         if solution.touch.at.size and not self.system.stable(solution):
             raise NoSolutionError("the equilibrium is not stable")
         if self.system.contact.rough and distance:
+            self._meet(solution, distance)
             self._turn(solution, frame, distance)
         if distance and self._solution.touch.at.size:
             self._rate = (solution.unknowns - self._solution.unknowns) / distance
         self._accept(following, frame, solution)
+
+    def _meet(self, solution: Solution, distance: float) -> None:
+        """Refuse a longer step that meets the object anew: what it moved before would count as slip."""
+        short = min(MEETING * self.setting.length, self.setting.thickness / 10)
+        if distance > short and solution.touch.elsewhere(self._solution.touch, self.system.contact.part, distance):
+            raise NoSolutionError("the finger meets the object within the step")
 
     def _turn(self, solution: Solution, frame: Frame, distance: float) -> None:
         """Refuse a step at whose end a contact, by the trend of its slip over two steps, slips the other way."""

@@ -109,6 +109,15 @@ class Touch:
         weight = np.bincount(groups, self.normal, 4)
         return np.bincount(groups, self.normal * along, 4) / np.where(weight > 0, weight, 1.0)
 
+    def elsewhere(self, before: Touch, part: Index, reach: float) -> bool:
+        """Whether a point touches on a part of the outline, or farther along it than this (m), where none did before.
+
+        ``part`` is that of every edge.
+        """
+        same = part[self.edge][:, None] == part[before.edge]
+        away = np.where(same, np.abs(self.along[:, None] - before.along), np.inf)
+        return bool(np.any(away.min(axis=1, initial=np.inf) > reach))
+
     @property
     def on_object(self) -> Array:
         """Force of the finger on the object (2,), in N, in the clamp's frame."""
