@@ -136,12 +136,13 @@ def _check(elements: tuple[int, int], law: str, jaw: str) -> None:
 def _check_known(scene: Scene) -> None:
     """Refuse a scene that says something which the elements would leave out."""
     finger = placed(scene.finger).body
-    for given, kind in ((scene, type(scene)), (finger, Finger), (finger.material, type(finger.material))):
+    parts = ("", scene, type(scene)), ("finger.", finger, Finger), ("material.", finger.material, type(finger.material))
+    for name, given, kind in parts:
         for field in fields(kind):
             value = getattr(given, field.name)
             if field.name not in _KNOWN and value != field.default:
                 rule = "must be left out to be verified, as the elements do not know it"
-                raise ValueError(f"{field.name} {rule}; got {value!r}")
+                raise ValueError(f"{name}{field.name} {rule}; got {value!r}")
 
 
 def _models(model: Model, laws: bool) -> dict[str, Model]:

@@ -202,7 +202,8 @@ class Follower:
     def _meet(self, solution: Solution, distance: float) -> None:
         """Refuse a longer step that meets the object anew: what it moved before would count as slip."""
         short = min(MEETING * self.setting.length, self.setting.thickness / 10)
-        if distance > short and solution.touch.elsewhere(self._solution.touch, self.system.contact.part, distance):
+        contact, before = self.system.contact, self._solution.touch
+        if distance > short and solution.touch.elsewhere(before, contact.part, len(contact.places.edge), distance):
             raise NoSolutionError("the finger meets the object within the step")
 
     def _turn(self, solution: Solution, frame: Frame, distance: float) -> None:

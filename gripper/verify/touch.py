@@ -109,11 +109,15 @@ class Touch:
         weight = np.bincount(groups, self.normal, 4)
         return np.bincount(groups, self.normal * along, 4) / np.where(weight > 0, weight, 1.0)
 
-    def elsewhere(self, before: Touch, part: Index, reach: float) -> bool:
-        """Whether a point touches on a part of the outline, or farther along it than this (m), where none did before.
+    def elsewhere(self, before: Touch, part: Index, places: int, step: float) -> bool:
+        """Whether it touches where nothing touched before a step of the object, in m.
 
-        ``part`` is that of every edge.
+        A place of contact goes along the finger about as far as the object does; one that is twice as far away, or on
+        another part, is new. So is a corner of the object (behind the ``places`` of the finger) that did not touch,
+        unless one close by did. ``part`` is that of every edge.
         """
+        corner = self.at >= places
+        reach = np.where(corner, np.where(np.isin(self.at, before.at), np.inf, step / 2), 2 * step)
         same = part[self.edge][:, None] == part[before.edge]
         away = np.where(same, np.abs(self.along[:, None] - before.along), np.inf)
         return bool(np.any(away.min(axis=1, initial=np.inf) > reach))
