@@ -121,12 +121,14 @@ def test_a_scene_without_a_tolerance_table_is_bad_input(tmp_path):
 
 def test_a_scene_without_derivatives_has_sampled_bands_alone_and_says_why(tmp_path):
     path, folder = tmp_path / "scene.toml", tmp_path / "out"
-    path.write_text(scenefile.dumps(POSE) + '[[loads]]\ntype = "moment"\nmoment = "1 N*mm"\n')
+    published = gr.Friction(coefficient=0.2, model="published", sense="tipward")
+    path.write_text(scenefile.dumps(dataclasses.replace(POSE, friction=published)))
     outcome = CliRunner().invoke(app, ["tolerance", str(path), "-o", str(folder)])
     assert (outcome.exit_code, outcome.stdout) == (2, "")
-    assert "loads must be left out, to be differentiated" in outcome.stderr and "--samples 256" in outcome.stderr
+    refused = "model of friction must be 'coulomb', to be differentiated"
+    assert refused in outcome.stderr and "--samples 256" in outcome.stderr
     outcome = CliRunner().invoke(app, ["tolerance", str(path), "-o", str(folder), "--samples", "4"])
-    assert outcome.exit_code == 0 and outcome.stderr.startswith("no linear bands: loads must be left out")
+    assert outcome.exit_code == 0 and outcome.stderr.startswith(f"no linear bands: {refused}")
     table = list(csv.DictReader((folder / "tolerance.csv").read_text().splitlines()))
     assert [row["quantity"] for row in table] == ["strain", "force_on_object"]
     assert all(float(row["least"]) < float(row["value"]) < float(row["largest"]) for row in table)

@@ -169,6 +169,8 @@ def test_the_command_writes_the_best_design_and_every_one_that_it_tried(tmp_path
     assert history[0] == "start,finger.thickness,finger.jaw.return_angle,retention_force,violation,reason"
     assert f"{len(history) - 1} designs solved" in ran.output
     assert (tmp_path / "out" / "best.toml").read_text().count("[finger.jaw]") == 1
+    judged = CliRunner().invoke(app, ["check", str(tmp_path / "hook.toml")])  # other commands read the same file
+    assert (judged.exit_code, "limits kept: 0 of 1" in judged.output) == (1, True)
 
 
 def test_an_interrupted_command_writes_the_history_and_the_best_design_so_far(tmp_path):

@@ -13,6 +13,8 @@ from gripper.result import Result
 from gripper.results.summary import QUANTITIES
 from gripper.scene import Scene
 
+_NEAR = 1e-6  # of a range: nearer, a number is at its bound
+
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Trial:
@@ -106,7 +108,9 @@ class Optimum:
         lines = [f"{'':32}{'before':>12}{'after':>12}   between"]
         for key, value in self.values.items():
             low, high = self.bounds[key]
-            lines.append(f"{key:32}{old.get(key, 0.0):12.5g}{value:12.5g}   {low:.5g} and {high:.5g}")
+            lines.append(
+                f"{key:32}{old.get(key, 0.0):12.5g}{value:12.5g}   {low:.5g} and {high:.5g}{_at_bound(value, low, high)}"
+            )
         summaries = self.before.summary(), self.result.summary()
         named = {self.goal.name: (self.goal.unit, self.objective_before, self.objective)}
         for verdict in self.verdicts:
@@ -117,6 +121,12 @@ class Optimum:
         if not self.kept:
             lines.append("NO DESIGN WAS FOUND THAT KEEPS ALL LIMITS: this one violates them least")
         return "\n".join([*lines, f"{self.evaluations} designs solved", self.message])
+
+
+def _at_bound(value: float, low: float, high: float) -> str:
+    """Whether a number would go on: what a designer may want to free further."""
+    near = _NEAR * (high - low)
+    return ", at its least" if value - low < near else ", at its largest" if high - value < near else ""
 
 
 def _judged(verdict: Verdict) -> str:

@@ -45,6 +45,7 @@ _KEYS = (
     "solver",
     "limits",
     "tolerance",
+    "optimize",  # of a design file: gripper.scenefile.optimize reads it, other commands pass over it
 )
 _SOLVER_FIELDS = {key: f"solver.{key}" for key in ("theory", "tolerance", "theory_tolerance")}
 _SCENE_FIELDS = (
@@ -63,6 +64,7 @@ def scene(tables: Table, place: Place) -> Scene:
     """Make the scene of a file's tables."""
     check_keys(tables, _KEYS, place)
     check_given(tables, ("material", "finger", "object"), place)
+    as_table(tables.get("optimize", {}), place.at("optimize"))
     motion = _motion(*_section(tables, "motion", place)) if "motion" in tables else None
     names = {motion.parameter: _kind_of_motion(tables["motion"], place.at("motion"))} if motion else {}
     material = read_material(tables["material"], place.at("material"))
