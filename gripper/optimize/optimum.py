@@ -108,9 +108,8 @@ class Optimum:
         lines = [f"{'':32}{'before':>12}{'after':>12}   between"]
         for key, value in self.values.items():
             low, high = self.bounds[key]
-            lines.append(
-                f"{key:32}{old.get(key, 0.0):12.5g}{value:12.5g}   {low:.5g} and {high:.5g}{_at_bound(value, low, high)}"
-            )
+            between = f"{low:.5g} and {high:.5g}{_at_bound(value, low, high)}"
+            lines.append(f"{key:32}{old.get(key, 0.0):12.5g}{value:12.5g}   {between}")
         summaries = self.before.summary(), self.result.summary()
         named = {self.goal.name: (self.goal.unit, self.objective_before, self.objective)}
         for verdict in self.verdicts:
