@@ -223,8 +223,10 @@ def test_the_command_writes_table_and_figures_and_tells_what_failed(tmp_path):
     lines = outcome.stdout.splitlines()
     assert lines[0] == "1 of 2 variants have an answer"
     assert lines[1] == "  finger.thickness = -1 mm: thickness must be a positive number, in m; got -0.001"
-    assert lines[2:] == [str(tmp_path / "out" / name) for name in ("sweep.csv", "strain.png", "force_on_object.png")]
-    assert all((tmp_path / "out" / line.rsplit("/", 1)[1]).stat().st_size > 0 for line in lines[2:])
+    assert lines[2].startswith("strain 0.0") and lines[2].endswith(", largest at finger.thickness = 60 mm")
+    assert lines[3].startswith("force on object ")
+    assert lines[4:] == [str(tmp_path / "out" / name) for name in ("sweep.csv", "strain.png", "force_on_object.png")]
+    assert all((tmp_path / "out" / line.rsplit("/", 1)[1]).stat().st_size > 0 for line in lines[4:])
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ import typer
 from gripper.cli.console import BAD_INPUT, FAILED_POSE, Output, interruptible, progress, stop, writing
 
 if TYPE_CHECKING:
-    from gripper.sweep import Plan, Sweep
+    from gripper.sweep import Plan, Row, Sweep
 
 _DRAWN = ("insertion_force", "retention_force", "strain", "force_on_object")
 _SHOWN = 8
@@ -102,14 +102,33 @@ def _png(table: Sweep, name: str) -> bytes:
     return data.getvalue()
 
 
+def _ranges(table: Sweep) -> list[str]:
+    """The least and the largest of each number that is drawn, and the variant of the largest."""
+    from gripper.results.summary import QUANTITIES
+
+    lines = []
+    for name in _DRAWN:
+        rows = {row: value for row, value in zip(table.rows, table.numbers(name), strict=True) if value is not None}
+        if rows:
+            most = max(rows, key=lambda row: rows[row])
+            span = f"{min(rows.values()):.4g} to {rows[most]:.4g} {QUANTITIES[name]}".rstrip()
+            lines.append(f"{name.replace('_', ' ')} {span}, largest at {_where(table, most)}")
+    return lines
+
+
+def _where(table: Sweep, row: Row) -> str:
+    values = (table.plan.shown(i, value) for i, value in enumerate(row.values))
+    return ", ".join(f"{key} = {value}" for key, value in zip(table.plan.keys, values, strict=True))
+
+
 def _say(table: Sweep, folder: Path, figures: list[Path]) -> None:
     failed = table.failed
     typer.echo(f"{len(table.rows) - len(failed)} of {len(table.rows)} variants have an answer")
     for row in failed[:_SHOWN]:
-        values = (table.plan.shown(i, value) for i, value in enumerate(row.values))
-        where = ", ".join(f"{key} = {value}" for key, value in zip(table.plan.keys, values, strict=True))
-        typer.echo(f"  {where}: {row.reason}")
+        typer.echo(f"  {_where(table, row)}: {row.reason}")
     if len(failed) > _SHOWN:
         typer.echo(f"  ... and {len(failed) - _SHOWN} more")
+    for line in _ranges(table):
+        typer.echo(line)
     for path in (folder / "sweep.csv", *figures):
         typer.echo(path)
