@@ -16,7 +16,7 @@ import gripper as gr
 class Egg(gr.ImplicitSurface):
     """An ellipse whose one end is blunter: (x/a)^2 + (y/b)^2 exp(-k x/a) = 1, with a and b in m."""
 
-    semi_axes: tuple[gr.Positive, gr.Positive]
+    semi_axes: tuple[gr.Length, gr.Length]
     bluntness: gr.Finite
 
     def g(self, x: sympy.Expr, y: sympy.Expr) -> sympy.Expr:
@@ -31,7 +31,7 @@ class Egg(gr.ImplicitSurface):
 class Hinged(gr.Finger):
     """A finger with a soft place at a third of its length: w0 (1 - d exp(-((15 s/L - 5) / 4)^2)), with w0 in m."""
 
-    thickness: gr.Positive
+    thickness: gr.Length
     depth: gr.Finite
 
     def w(self, s: sympy.Expr) -> sympy.Expr:

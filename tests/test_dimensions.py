@@ -84,6 +84,8 @@ def test_a_unit_of_another_quantity_is_refused_with_both(text, of, said):
 def test_a_parameter_whose_values_have_a_unit_is_of_that_kind():
     assert parse("q - 0.01", {"q": METRE}, METRE)
     assert parse("20 deg * q", {"q": METRE}, RADIAN)  # a coefficient's own units are seldom written
+    assert parse("q / 50 mm + 10 deg", {"q": METRE}, RADIAN)  # an arc over its radius
+    assert parse("q / 0.05", {"q": METRE}, RADIAN)
     for text, of in (("q", METRE), ("-q + 3", METRE), ("q + 2 mm", METRE), ("q", RADIAN)):
         with pytest.raises(ValueError, match=r"must .* a force"):
             parse(text, {"q": NEWTON}, of)

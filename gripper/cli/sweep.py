@@ -109,7 +109,7 @@ def _ranges(table: Sweep) -> list[str]:
     lines = []
     for name in _DRAWN:
         rows = {row: value for row, value in zip(table.rows, table.numbers(name), strict=True) if value is not None}
-        if rows:
+        if any(rows.values()):
             most = max(rows, key=lambda row: rows[row])
             span = f"{min(rows.values()):.4g} to {rows[most]:.4g} {QUANTITIES[name]}".rstrip()
             lines.append(f"{name.replace('_', ' ')} {span}, largest at {_where(table, most)}")

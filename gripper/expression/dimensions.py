@@ -124,9 +124,14 @@ class Measure(NamedTuple):
     free: bool = False
     written: bool = False
 
+    @property
+    def turned(self) -> Kinds:
+        """Its kinds, an angle too where units may have cancelled: an arc over its radius."""
+        return self.kinds | {RADIAN} if self.kinds and self.written and PURE in self.kinds else self.kinds
+
     def fits(self, kind: Dimension) -> bool:
         """Whether it can be of a kind."""
-        return self.free or self.kinds is None or not self.kinds.isdisjoint(kind.kinds)
+        return self.free or self.turned is None or not self.turned.isdisjoint(kind.kinds)
 
     def __str__(self) -> str:
         """In words, for a message."""
@@ -187,10 +192,11 @@ def _like(one: Measure, other: Measure) -> Measure:
     written = one.written or other.written
     if one.free != other.free:
         return (other if one.free else one)._replace(written=written)
-    if one.kinds is None or other.kinds is None:
-        known = other.kinds if one.kinds is None else one.kinds
+    left, right = one.turned, other.turned
+    if left is None or right is None:
+        known = right if left is None else left
         return Measure(None if one.free else known, one.free, written)
-    kinds = one.kinds | other.kinds if one.free else one.kinds & other.kinds
+    kinds = left | right if one.free else left & right
     if not kinds:
         raise ValueError(f"take like with like, not {one} with {other}")
     return Measure(kinds, one.free, written)
