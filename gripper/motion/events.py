@@ -122,7 +122,8 @@ def _first(setting: Setting, path: Path, old: Along, new: Along, order: int) -> 
         obstacle = setting.obstacle(path.frame(parameter))
         state = _free(setting, obstacle, old)
         found = least_gaps(setting, obstacle, state, survey(setting, obstacle, state, brief=True))
-        mine = [(g, at) for g, at in found if any(_same(setting, at, site) for site in sites) == kept]
+        own = _kept(setting, found, sites)
+        mine = [gap for i, gap in enumerate(found) if (i in own) == kept]
         return min(mine, key=lambda gap: gap[0], default=(np.inf, sites[0]))
 
     if np.isinf(least(new.parameter, kept=True)[0]):
@@ -165,6 +166,16 @@ def head_on(setting: Setting, path: Path, straight: Along, parameter: float) -> 
     gaps = least_gaps(setting, obstacle, state, survey(setting, obstacle, state, brief=True))
     site = min(gaps, key=lambda gap: gap[0], default=(0.0, None))[1]
     return site is not None and site.kind == "tangent" and setting.outline.place(site.piece, np.zeros(1))[0] == "tip"
+
+
+def _kept(setting: Setting, found: list[tuple[float, Site]], sites: tuple[Site, ...]) -> set[int]:
+    """Which of the places that come nearest to the object are contacts of the next pose: on a piece the nearest."""
+    kept: set[int] = set()
+    for site in sites:
+        same = [i for i, (_, touched) in enumerate(found) if _same(setting, touched, site)]
+        same.sort(key=lambda i: abs(found[i][1].middle - site.middle))
+        kept |= set(same if site.kind == "vertex" else same[:1])
+    return kept
 
 
 def _same(setting: Setting, touched: Site, site: Site) -> bool:

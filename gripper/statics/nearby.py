@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 
@@ -17,6 +18,8 @@ from gripper.statics.problem import Candidate, Problem
 
 _FEET = 6  # Newton steps to the foot of a normal
 _GRAZED = 0.05  # of L: how much wider than the least sampled gap is looked at
+_MARKS = np.linspace(0.0, 1.0, 33)  # of a stretch: where it is looked at for hollows of the object
+_HOLLOW = 1e-5  # of L: a gap that rises by less between two minima has one
 
 
 def least_gaps(setting: Setting, obstacle: Obstacle, state: State, found: Survey) -> list[tuple[float, Site]]:
@@ -32,9 +35,9 @@ def least_gaps(setting: Setting, obstacle: Obstacle, state: State, found: Survey
 
 
 def near(setting: Setting, obstacle: Obstacle, state: State, found: Survey, reach: float) -> tuple[Candidate, ...]:
-    """Candidates within reach (by L) of the object: stretches segment by segment, corners on both sides."""
+    """Candidates within reach (by L) of the object: stretches with one minimum each, corners on both sides."""
     cornered = len(obstacle.corners) > 0
-    candidates = [] if cornered else _stretches(setting, state, found, reach)
+    candidates = [] if cornered else _valleys(setting, obstacle, state.axis, _stretches(setting, state, found, reach), reach)
     axis = state.axis
     outline = setting.outline
     numbers = np.array([outline.corner_piece(i) for i in range(len(outline.corners))], dtype=np.intp)
@@ -66,6 +69,40 @@ def _stretches(setting: Setting, state: State, found: Survey, reach: float) -> l
             segment, ends = -1, (0.0, setting.outline.pieces[piece].length)
         out[piece, segment] = Candidate("stretch", piece, *ends)
     return list(out.values())
+
+
+def _valleys(
+    setting: Setting, obstacle: Obstacle, axis: Axis, stretches: list[Candidate], reach: float
+) -> list[Candidate]:
+    """The stretches, cut where the gap is greatest between two of its minima: the object has another bump there."""
+    if not stretches:
+        return []
+    u = np.array([c.start + (c.stop - c.start) * _MARKS for c in stretches])
+    piece = np.array([c.piece for c in stretches])[:, None]
+    inside = np.where(piece <= UPPER, u[:, 1:2], 1.0)
+    which = (np.broadcast_to(values, u.shape).ravel() for values in (piece, u, axis.beam.segment_of(inside)))
+    gaps = obstacle.gap(setting.outline.trace(axis, *which)[0]).reshape(u.shape)
+    out: list[Candidate] = []
+    for stretch, places, heights in zip(stretches, u.tolist(), gaps, strict=True):
+        crests = _crests(heights)
+        if not crests:
+            out.append(stretch)
+            continue
+        near = reach + places[1] - places[0]  # what lies between two samples may be this much nearer
+        for first, last in itertools.pairwise([0, *crests, len(places) - 1]):
+            if heights[first : last + 1].min() < near:
+                out.append(replace(stretch, start=places[first], stop=places[last]))
+    return out
+
+
+def _crests(heights: Array) -> list[int]:
+    """The highest of samples between each two minima."""
+    before, behind = np.minimum.accumulate(heights), np.minimum.accumulate(heights[::-1])[::-1]
+    rise = heights - np.maximum(before, behind)
+    top = int(np.argmax(rise))
+    if rise[top] <= _HOLLOW:
+        return []
+    return [*_crests(heights[: top + 1]), top, *(top + i for i in _crests(heights[top:]))]
 
 
 def _vertices(setting: Setting, obstacle: Obstacle, axis: Axis, found: Survey, reach: float) -> tuple[Candidate, ...]:
