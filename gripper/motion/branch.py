@@ -22,6 +22,7 @@ from gripper.statics.steps import predicted
 _ROUND_OFF = 1e-13
 _HALVINGS = 4  # of a way along a branch
 _ROUNDS = 8  # of Newton's method, of which three or four are needed
+_LATE = 1e-3  # of L: a contact may be told that much late, while it lies within the penetration allowed
 _DEPARTS = 0.5  # of a step: what it may differ from its prediction
 APART = 1e-4
 """Of L: shapes that differ by more are of different branches."""
@@ -169,6 +170,9 @@ def number(known: Along, feature: Feature) -> int:
 def released(setting: Setting, path: Path, known: Along, other: Along, feature: Feature, order: int) -> float:
     """Where a contact's multiplier vanishes on the branch of a known equilibrium, the contact held beyond.
 
+    Beside a contact on the same edge a gap may close so slowly that the step's other end, which does not have the
+    contact yet, or any more, lies behind that place: the branches meet there all the same.
+
     Raises
     ------
     NoEquilibriumError
@@ -188,6 +192,7 @@ def released(setting: Setting, path: Path, known: Along, other: Along, feature: 
 def let_go(branch: Branch, i: int, start: float, stop: float) -> float | None:
     """Where a contact's multiplier vanishes, by Newton's method on its rate; None where that leaves the step."""
     at, way = start, stop - start
+    late = max(1.0, _LATE / (speed(branch.known[0].equilibrium) * abs(way) + STILL))
     for _ in range(_ROUNDS):
         try:
             equilibrium = branch.at(at)
@@ -198,7 +203,7 @@ def let_go(branch: Branch, i: int, start: float, stop: float) -> float | None:
         if abs(step) <= SHARP * abs(way):
             return at
         at += step
-        if not 0 <= (at - start) / way <= 1:
+        if not 0 <= (at - start) / way <= 1 + late:
             return None
     return None
 
