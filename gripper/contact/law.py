@@ -79,12 +79,8 @@ class Law:
 
     def dressed(self, old: Sites, new: Sites) -> Sites:
         """New contacts with the holds of the old ones that they continue; open where they continue none."""
-        left, out = list(old), []
-        for site in new:
-            before = self._continued(site, left)
-            if before is not None:
-                left.remove(before)
-            out.append(replace(site, grip=self._taken_over(site, before)))
+        before = self._continued(old, new)
+        out = [replace(site, grip=self._taken_over(site, before.get(i))) for i, site in enumerate(new)]
         return self.grouped(tuple(out))
 
     def grouped(self, sites: Sites) -> Sites:
@@ -125,17 +121,24 @@ class Law:
             return Grip(self).slipping(self.tipward * self.side(site))
         if before is None or before.grip is None:
             return Grip(self)
-        same = (before.piece, before.vertex) == (site.piece, site.vertex)  # an anchor is the matter's, not the patch's
+        same = _alike(before, site)  # an anchor is the matter's, not the patch's
         ratio = before.grip.ratios(before.piece, before.middle)[0]
         return before.grip if same else replace(before.grip, anchor=None, ratio=ratio, follows=False)
 
-    def _continued(self, site: Site, old: list[Site]) -> Site | None:
-        """The old contact that a new one continues: the same, or a neighbour along the outline."""
-        same = [s for s in old if (s.piece, s.vertex) == (site.piece, site.vertex)]
-        if same:
-            return min(same, key=lambda s: abs(s.middle - site.middle))
-        near = [s for s in old if s.vertex == site.vertex >= 0 or self.outline.meet(s.piece, site.piece)]
-        return near[0] if near else None
+    def _continued(self, old: Sites, new: Sites) -> dict[int, Site]:
+        """The old contacts that new ones continue: the same, the nearest first, or neighbours along the outline."""
+        left, out = list(range(len(old))), {}
+        pairs = [(i, j) for i, site in enumerate(new) for j, s in enumerate(old) if _alike(site, s)]
+        for i, j in sorted(pairs, key=lambda pair: abs(new[pair[0]].middle - old[pair[1]].middle)):
+            if i not in out and j in left:
+                out[i] = old[j]
+                left.remove(j)
+        for i, site in enumerate(new):
+            near = [j for j in left if old[j].vertex == site.vertex >= 0 or self.outline.meet(old[j].piece, site.piece)]
+            if i not in out and near:
+                out[i] = old[near[0]]
+                left.remove(near[0])
+        return out
 
     def _first(self, sites: Sites, i: int) -> int:
         """The number of the contact whose hold a contact shares, by where they lie: itself where it is alone."""
@@ -147,3 +150,8 @@ class Law:
             if other.piece == site.piece and (site.piece > 1 or conform(other, site)):
                 return self._first(sites, j)
         return i
+
+
+def _alike(one: Site, other: Site) -> bool:
+    """Whether both are on the same piece, or at the same corner of the object there."""
+    return (one.piece, one.vertex) == (other.piece, other.vertex)

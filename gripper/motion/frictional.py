@@ -26,6 +26,7 @@ from gripper.results.loop import Loop
 from gripper.statics.answer import Answer
 from gripper.statics.balance import Balance
 from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, State
+from gripper.statics.gathered import gathered
 from gripper.statics.holds import coefficient, grip_of, leaders, overdue, ratio_rate, regripped, slip_rates, tangent
 from gripper.statics.verified import Verified, untouched, verify
 
@@ -115,7 +116,11 @@ class FrictionTracker(Tracker):
                 return self._at(following, guess.keeping(keep))
             except NoEquilibriumError:
                 pass  # the set is another one
-        return super()._found(following, guess)
+        try:
+            return super()._found(following, guess)
+        except NoEquilibriumError:
+            obstacle = self.setting.obstacle(self.path.frame(following))
+            return gathered(self.setting, obstacle, self.current.equilibrium.state, guess, self.order)
 
     def _coarse(self, found: Verified, following: float) -> bool:
         """Whether a hold may change and change back within the step, or its work does not balance."""

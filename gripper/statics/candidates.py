@@ -33,11 +33,9 @@ def active_sets(
     load = multipliers * problem.scale**2 / problem.gap_scale
     strong = load > max(_ACTIVE * float(np.max(load, initial=0.0)), NOTHING)
     chosen: list[tuple[Site, float]] = []
-    for site, candidate, force, gap, active in zip(
-        problem.sites(x), problem.candidates, load, gaps, strong, strict=True
-    ):
+    for site, force, gap, active in zip(problem.sites(x), load, gaps, strong, strict=True):
         if active and gap < 1e-3:
-            chosen.append((_resolved(setting, site, candidate), float(force)))
+            chosen.append((resolved(setting, site), float(force)))
     if not chosen:
         if np.all(gaps > -DEPTH):
             yield (), np.empty(0)
@@ -48,7 +46,7 @@ def active_sets(
     yield from _flush(setting, problem, x, merged)
 
 
-def _resolved(setting: Setting, site: Site, candidate: Candidate) -> Site:
+def resolved(setting: Setting, site: Site) -> Site:
     """A stretch whose least gap is at the end of its piece is the corner there."""
     if site.kind != "tangent":
         return site

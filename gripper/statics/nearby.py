@@ -26,7 +26,10 @@ def least_gaps(setting: Setting, obstacle: Obstacle, state: State, found: Survey
     """The gaps of the places that come nearest to the object, by L: negative where it penetrates, however little."""
     # what lies between two samples may be this much nearer
     unseen = float(np.max(found.pieces.u1 - found.pieces.u0)) / 2
-    candidates = near(setting, obstacle, state, found, max(found.min_gap, 0.0) + _GRAZED + unseen)
+    reach = max(found.min_gap, 0.0) + _GRAZED + unseen
+    candidates = near(setting, obstacle, state, found, reach)
+    if len(obstacle.corners):
+        candidates += tuple(_smooth(setting, obstacle, state, found, reach))
     if not candidates:
         return []
     problem = Problem(setting, obstacle, state, candidates)
@@ -37,7 +40,7 @@ def least_gaps(setting: Setting, obstacle: Obstacle, state: State, found: Survey
 def near(setting: Setting, obstacle: Obstacle, state: State, found: Survey, reach: float) -> tuple[Candidate, ...]:
     """Candidates within reach (by L) of the object: stretches with one minimum each, corners on both sides."""
     cornered = len(obstacle.corners) > 0
-    candidates = [] if cornered else _valleys(setting, obstacle, state.axis, _stretches(setting, state, found, reach), reach)
+    candidates = [] if cornered else _smooth(setting, obstacle, state, found, reach)
     axis = state.axis
     outline = setting.outline
     numbers = np.array([outline.corner_piece(i) for i in range(len(outline.corners))], dtype=np.intp)
@@ -71,10 +74,9 @@ def _stretches(setting: Setting, state: State, found: Survey, reach: float) -> l
     return list(out.values())
 
 
-def _valleys(
-    setting: Setting, obstacle: Obstacle, axis: Axis, stretches: list[Candidate], reach: float
-) -> list[Candidate]:
-    """The stretches, cut where the gap is greatest between two of its minima: the object has another bump there."""
+def _smooth(setting: Setting, obstacle: Obstacle, state: State, found: Survey, reach: float) -> list[Candidate]:
+    """Stretches within reach, cut where the gap is greatest between two minima: the object has another bump there."""
+    stretches, axis = _stretches(setting, state, found, reach), state.axis
     if not stretches:
         return []
     u = np.array([c.start + (c.stop - c.start) * _MARKS for c in stretches])
