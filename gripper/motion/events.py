@@ -50,7 +50,7 @@ def changes(setting: Setting, path: Path, old: Along, new: Along, order: int, *,
     before, after, outline = old.equilibrium.state.sites, new.equilibrium.state.sites, setting.outline
     if stayed(before, after):
         return []
-    gone, come = gone_and_come(before, after, _moves(old, new))
+    gone, come = gone_and_come(before, after, moves(old, new))
     out: list[Change] = []
     for lost in list(gone):
         won = next((f for f in come if lost in gone and adjacent(setting, lost, f)), None)
@@ -101,7 +101,7 @@ def check_unbroken(setting: Setting, path: Path, old: Along, new: Along, order: 
         raise NoEquilibriumError("something else touches before")
 
 
-def _moves(old: Along, new: Along) -> list[float]:
+def moves(old: Along, new: Along) -> list[float]:
     """How far each contact should move along its piece by the tangent; a limit point tells nothing."""
     try:
         rates, first, out = old.equilibrium.tangent()[2], 0, []

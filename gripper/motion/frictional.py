@@ -91,6 +91,14 @@ class FrictionTracker(Tracker):
         """Contacts that came without a hold get the one that is consistent."""
         return decided(self.setting, found, self.heading, self.order)
 
+    def _completed(self, parameter: float, middle: Verified) -> Verified | None:
+        try:
+            middle = self._decided(middle)
+        except NoEquilibriumError:
+            return None
+        late = overdue(middle.equilibrium, self.heading)
+        return None if late or self._coarse(middle, parameter) else middle
+
     def _within_stick(self, following: float) -> float:
         """No further than a little beyond where a contact that sticks reaches mu, or lets go: beyond it runs away."""
         equilibrium, way = self.current.equilibrium, abs(following - self.parameter)

@@ -20,6 +20,7 @@ from gripper.contact.obstacle import Frame
 from gripper.contact.site import Site, pointed
 from gripper.motion.branch import Along, Path
 from gripper.motion.events import STRUT, Change, changes, check_unbroken, head_on
+from gripper.motion.exchange import exchanged
 from gripper.motion.watch import Watch
 from gripper.result import PoseResult
 from gripper.results.loop import Loop
@@ -279,9 +280,21 @@ class Tracker:
             found = self._found(following, guess)
             self._compare(found, distance(found.equilibrium.state, start.state), max(travel, expected / 2))
             if travel > _INDIVISIBLE:
-                before, after = Along(self.parameter, start), Along(following, found.equilibrium)
+                self._exchange(following, found)
+                before, after = Along(self.parameter, self.current.equilibrium), Along(following, found.equilibrium)
                 check_unbroken(self.setting, self.path, before, after, self.order)
         return found
+
+    def _exchange(self, following: float, found: Verified) -> None:
+        """Where one contact takes over from another within a step, go on to where both touch."""
+        before, after = Along(self.parameter, self.current.equilibrium), Along(following, found.equilibrium)
+        middle = exchanged(self.setting, self.path, before, after, self.order)
+        if middle is not None and (known := self._completed(*middle)):
+            self._accept(middle[0], known)
+
+    def _completed(self, parameter: float, middle: Verified) -> Verified | None:
+        """What the step may go to, with what its history adds; None where it is not to go there."""
+        return middle
 
     def _found(self, following: float, guess: State) -> Verified:
         """SLSQP tells which contacts are left, or come."""

@@ -1,0 +1,51 @@
+"""One contact takes over from another: on the way both touch, however short that way is."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from gripper.contact.features import Feature, gone_and_come
+from gripper.contact.site import pointed as as_point
+from gripper.motion.branch import Along, Branch, Path, let_go, number, pointed
+from gripper.motion.events import moves
+from gripper.motion.turning import adjacent
+from gripper.statics.equilibrium import NoEquilibriumError, Setting, State
+from gripper.statics.newton import settle
+from gripper.statics.verified import Verified, verify
+
+
+def exchanged(setting: Setting, path: Path, old: Along, new: Along, order: int) -> tuple[float, Verified] | None:
+    """Half-way between where a contact comes and where another one goes, both on the way from old to new.
+
+    None where that is not what happens between them.
+    """
+    gone, come = gone_and_come(old.equilibrium.state.sites, new.equilibrium.state.sites, moves(old, new))
+    if len(gone) != 1 or len(come) != 1 or adjacent(setting, gone[0], come[0]):
+        return None
+    try:
+        both, won, lost = _both(setting, old, new, (gone[0], come[0]), order)
+        branch = Branch(setting, path, both, order)
+        touch, release = (let_go(branch, i, new.parameter, old.parameter) for i in (won, lost))
+        if touch is None or release is None or (release - touch) * (new.parameter - old.parameter) <= 0:
+            return None
+        middle = (touch + release) / 2
+        return middle, verify(setting, branch.at(middle))
+    except NoEquilibriumError:
+        return None
+
+
+def _both(
+    setting: Setting, old: Along, new: Along, contacts: tuple[Feature, Feature], order: int
+) -> tuple[Along, int, int]:
+    """The new contacts with the lost one held, which may pull; and the numbers of the one that came and of that."""
+    equilibrium = pointed(setting, new.equilibrium, order)
+    held = old.equilibrium.state.sites[number(old, contacts[0])]
+    held = replace(as_point(held), grip=held.grip)
+    state = equilibrium.state
+    came = state.sites[number(new, contacts[1])]
+    lost, won = len(state.sites), state.sites.index(came)
+    sites = (*state.sites, held) if setting.friction is None else setting.friction.grouped((*state.sites, held))
+    guess = State(state.beam, state.z, sites, np.append(state.multipliers, 0.0))
+    return Along(new.parameter, settle(setting, equilibrium.obstacle, guess, order)), won, lost
