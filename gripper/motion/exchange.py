@@ -13,7 +13,10 @@ from gripper.motion.events import moves
 from gripper.motion.turning import adjacent
 from gripper.statics.equilibrium import NoEquilibriumError, Setting, State
 from gripper.statics.newton import settle
+from gripper.statics.snap import distance
 from gripper.statics.verified import Verified, verify
+
+_ANOTHER = 0.05  # of L: a contact that is so much further away is another one
 
 
 def exchanged(setting: Setting, path: Path, old: Along, new: Along, order: int) -> tuple[float, Verified] | None:
@@ -22,7 +25,7 @@ def exchanged(setting: Setting, path: Path, old: Along, new: Along, order: int) 
     None where that is not what happens between them.
     """
     gone, come = gone_and_come(old.equilibrium.state.sites, new.equilibrium.state.sites, moves(old, new))
-    if len(gone) != 1 or len(come) != 1 or adjacent(setting, gone[0], come[0]):
+    if len(gone) != 1 or len(come) != 1 or _rolls(setting, old, new, (gone[0], come[0])):
         return None
     try:
         both, won, lost = _both(setting, old, new, (gone[0], come[0]), order)
@@ -34,6 +37,16 @@ def exchanged(setting: Setting, path: Path, old: Along, new: Along, order: int) 
         return middle, verify(setting, branch.at(middle))
     except NoEquilibriumError:
         return None
+
+
+def _rolls(setting: Setting, old: Along, new: Along, contacts: tuple[Feature, Feature]) -> bool:
+    """Whether a contact may have rolled on to another: it is no further away than the finger has moved, or hardly."""
+    points = [
+        at.equilibrium.linear.points[number(at, contact)] for at, contact in zip((old, new), contacts, strict=True)
+    ]
+    moved = distance(old.equilibrium.state, new.equilibrium.state)
+    near = abs(points[1].mean() - points[0].mean()) < _ANOTHER + 2 * moved
+    return near and adjacent(setting, *contacts)
 
 
 def _both(
