@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 import sympy
+from scipy.optimize import brentq
 
 import gripper as gr
 from gripper_plugins.fingers.uniform import Uniform
 from gripper_plugins.jaws.polygon import PolygonJaw
 from gripper_plugins.jaws.triangle import Triangle
 from gripper_plugins.objects.circle import Circle
+from gripper_plugins.objects.halfplane import HalfPlane
+from gripper_plugins.objects.intersection import Intersection
 from gripper_plugins.objects.polygon import Polygon
 from gripper_plugins.objects.union import Union
 from tests.rubbing import balance, check_coulomb, off
@@ -66,6 +71,51 @@ def test_of_two_that_stick_on_one_edge_one_lets_go_and_the_other_sticks_on():
     assert balance(turned.poses).max() < 1e-3
     for pose in turned.poses:
         check_coulomb(pose, lambda _: 0.5)
+
+
+@pytest.mark.parametrize("mu", [0, 0.4])
+@pytest.mark.parametrize("turn", [1e-5, 0.045, -0.02])
+def test_the_first_touch_is_that_of_the_higher_bump_however_little_it_is_higher(mu, turn):
+    """Its top, 0.02 above a centre 0.06 aside, meets the straight finger's edge at y = -0.13."""
+    where = brentq(lambda q: 0.05 * q - 0.005 + 0.06 * math.sin(abs(turn) * q), 0, 0.2)
+    there = on_two_bumps(mu, (-0.2, 0.3), drift=0.02, turn=turn)
+    assert kinds(there)[0] == "touch"
+    assert there.events[0].parameter == pytest.approx(where, abs=1e-8)
+    assert "several" not in str(there)
+
+
+@pytest.mark.parametrize("mu", [0, 0.3])
+def test_bumps_take_over_from_one_another_by_touch_and_release_however_soon(mu):
+    """The way on which both touch is as short as the edge turns little; it is never a snap."""
+    turns, shares = (1e-3, 1e-4, 1e-5), []
+    for turn in turns:
+        there = on_two_bumps(mu, (-0.2, 0.1, 0.3, 0.1), drift=0.02, turn=turn)
+        assert [kind for kind in kinds(there) if kind in ("touch", "release", "snap", "change")] == [
+            *("touch", "touch", "release", "touch", "release")
+        ]
+        first, second = (event.parameter for event in there.events[1:3])
+        shares.append((second - first) / turn)
+    assert shares == pytest.approx([shares[-1]] * 3, rel=0.05)
+
+
+def test_where_friction_brings_the_second_bump_sooner_the_edge_takes_it():
+    """Without friction it comes at q = 0.292 on the way there and goes at 0.292 on the way back."""
+    there = on_two_bumps(0.7712, (-0.2, 0.1, 0.3, 0.4, 0.8, 0.3), drift=0.045, turn=0.0449)
+    assert kinds(there) == ["touch", "touch", "release", "stick", "slip", "touch", "release"]
+    assert there.events[1].parameter < 0.285
+    assert balance(there.poses).max() < 1e-4
+
+
+@pytest.mark.parametrize("mu", [0, 0.4])
+def test_an_object_with_corners_is_met_at_its_round_side(mu):
+    """The circle's top is at y = -0.035 + 0.1 q, the finger's lower face at -0.03."""
+    side = HalfPlane().at(y=-0.05, angle=math.pi)
+    lens = Intersection(parts=(Circle(radius=0.1), side)).at(x=0.7, y=-0.135 + 0.1 * Q, angle=0.3 * Q)
+    friction = gr.Friction(coefficient=mu) if mu else None
+    motion = gr.Motion("q", (-0.2, 0.1, 0.3))
+    there = gr.trace(gr.Scene(finger=unit_finger(), object=lens, motion=motion, theory="bending", friction=friction))
+    assert [event.kind for event in there.events] == ["touch"]
+    assert there.events[0].parameter == pytest.approx(0.05, abs=1e-8)
 
 
 def test_contacts_on_the_finger_and_on_the_jaw_have_a_coefficient_each():
