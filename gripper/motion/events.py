@@ -148,8 +148,8 @@ def _free(setting: Setting, obstacle: Obstacle, old: Along) -> State:
     return unloaded(setting, obstacle, state.beam.order, state).state
 
 
-def touched_at(setting: Setting, path: Path, old: Along, stop: float) -> float:
-    """Where the free finger is touched first."""
+def touched_at(setting: Setting, path: Path, old: Along, stop: float) -> float | None:
+    """Where the free finger is touched first; None where it is only grazed."""
 
     def least(parameter: float) -> float:
         obstacle = setting.obstacle(path.frame(parameter))
@@ -157,7 +157,7 @@ def touched_at(setting: Setting, path: Path, old: Along, stop: float) -> float:
         found = least_gaps(setting, obstacle, state, survey(setting, obstacle, state, brief=True))
         return min((gap for gap, _ in found), default=1.0) + _GRAZED
 
-    return bracketed(least, old.parameter, stop)
+    return bracketed(least, old.parameter, stop) if least(stop) < 0 else None
 
 
 def head_on(setting: Setting, path: Path, straight: Along, parameter: float) -> bool:

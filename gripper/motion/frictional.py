@@ -162,11 +162,11 @@ class FrictionTracker(Tracker):
     def _meet(self, following: float) -> None:
         """The finger is free: go on to the first touch, and decide there how it holds."""
         free = self._free(following, self.current.equilibrium.state)
-        if untouched(self.setting, free):
+        start, here = self.parameter, Along(self.parameter, self.current.equilibrium)
+        touch = None if untouched(self.setting, free) else touched_at(self.setting, self.path, here, following)
+        if touch is None:
             self.parameter, self.current = following, free
             return
-        start, here = self.parameter, Along(self.parameter, self.current.equilibrium)
-        touch = touched_at(self.setting, self.path, here, following)
         rest = self._travel(touch, following)
         near = touch + (following - touch) * _NUDGE / rest if rest > _NUDGE else following
         self.heading = float(np.sign(following - start))

@@ -92,6 +92,8 @@ class Ledger:
     def fall(self, before: Along, after: Along, heading: float) -> None:
         """Take in a snap: the finger falls at once, then goes with its object; what it has lost by then is lost.
 
+        Where it stands higher than before, it has not fallen: the drive has pushed it over an edge to which it stuck.
+
         Raises
         ------
         NoEquilibriumError
@@ -101,7 +103,13 @@ class Ledger:
         with_object = booked(Balance(), stop.carried(-way), stop, way)
         spilt = before.equilibrium.stored - (after.equilibrium.stored - with_object.work + with_object.loss)
         following = booked(self.balance, stop.carried(-way), stop, way)
-        self.balance = replace(following, loss=following.loss + max(spilt, 0.0))
+        pushed = max(-spilt, 0.0)
+        self.balance = replace(
+            following,
+            loss=following.loss + max(spilt, 0.0),
+            work=following.work + pushed,
+            put_in=following.put_in + pushed,
+        )
 
     def _note(self, peak: Peak) -> None:
         """Keep the largest force of each leg of the motion."""
