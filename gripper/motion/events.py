@@ -11,7 +11,6 @@ from gripper.contact.features import apart_from, feature_name, gone_and_come, st
 from gripper.contact.obstacle import Obstacle
 from gripper.contact.site import Site
 from gripper.motion.branch import APART, Along, Branch, Path, bracketed, joined, pointed, released
-from gripper.motion.handover import SEVERAL, handed_over
 from gripper.motion.turning import adjacent, changed, rolled_apart
 from gripper.statics.certificate import survey
 from gripper.statics.equilibrium import NoEquilibriumError, Setting, State
@@ -60,14 +59,8 @@ def changes(setting: Setting, path: Path, old: Along, new: Along, order: int, *,
             gone, come = apart_from(before, gone, lost), apart_from(after, come, won)
     if come and not before:
         come = [come[0], *apart_from(after, come, come[0])]
-    if before and not out and len(gone) == len(come) == 1 and setting.friction is None:
-        comes, goes = handed_over(setting, path, (old, new), gone[0], come[0], order)
-        return [
-            Change(comes, "touch", feature_name(outline, come[0])),
-            Change(goes, "release", feature_name(outline, gone[0])),
-        ]
     if len(out) + len(gone) + len(come) > 1:
-        raise NoEquilibriumError(SEVERAL)
+        raise NoEquilibriumError("several contacts change within one step")
     for won in come:
         if before:
             where = released(setting, path, new, old, won, order)
