@@ -7,6 +7,8 @@ import math
 import numpy as np
 import pytest
 import sympy
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 import gripper as gr
@@ -18,7 +20,7 @@ from gripper_plugins.objects.halfplane import HalfPlane
 from gripper_plugins.objects.intersection import Intersection
 from gripper_plugins.objects.polygon import Polygon
 from gripper_plugins.objects.union import Union
-from tests.rubbing import balance, check_coulomb, off
+from tests.rubbing import balance, check_coulomb, force, off
 from tests.scenes import Q, unit_finger
 
 EDGE = PolygonJaw(vertices=((0, -0.03), (0, -0.13), (0.2, -0.13), (0.2, -0.03)))
@@ -116,6 +118,36 @@ def test_an_object_with_corners_is_met_at_its_round_side(mu):
     there = gr.trace(gr.Scene(finger=unit_finger(), object=lens, motion=motion, theory="bending", friction=friction))
     assert [event.kind for event in there.events] == ["touch"]
     assert there.events[0].parameter == pytest.approx(0.05, abs=1e-8)
+
+
+MOTION = (-0.2, 0.1, 0.3, 0.4, 0.3, 0.1)
+
+
+@settings(max_examples=4, deadline=None)
+@given(mu=st.floats(0.05, 0.8), drift=st.floats(-0.1, 0.1), turn=st.floats(0.01, 0.1), bumps=st.sampled_from((2, 3)))
+def test_several_contacts_in_any_motion_obey_coulomb_and_lose_what_work_leaves(mu, drift, turn, bumps):
+    """There and back over two bumps, or three, and the same wherever the poses stand."""
+    middle = (Circle(radius=0.02).at(y=-0.001),) if bumps == 3 else ()
+    target = Union(parts=(*BUMPS.parts, *middle)).at(x=1.1 + drift * Q, y=-0.155 + 0.05 * Q, angle=turn * Q)
+
+    def traced(values):
+        scene = gr.Scene(
+            finger=unit_finger(jaw=EDGE),
+            object=target,
+            motion=gr.Motion("q", values),
+            theory="bending",
+            friction=gr.Friction(coefficient=mu),
+        )
+        return gr.trace(scene).poses
+
+    poses = traced(MOTION)
+    for pose in poses:
+        assert pose.status in ("free", "contact"), pose.reason
+        check_coulomb(pose, lambda _: mu)
+    assert balance(poses).max(initial=0.0) < 1e-3
+    coarse = traced((-0.2, 0.4, 0.1))
+    for pose, same in ((coarse[1], poses[3]), (coarse[2], poses[5])):
+        assert np.linalg.norm(force(pose) - force(same)) < 5e-4 * max(np.linalg.norm(force(same)), 1e-2)
 
 
 def test_contacts_on_the_finger_and_on_the_jaw_have_a_coefficient_each():
