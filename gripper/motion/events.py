@@ -27,6 +27,10 @@ Kind = Literal["touch", "release", "change", "snap", "stick", "slip"]
 """What an event is."""
 
 
+class MovedOnError(NoEquilibriumError):
+    """The first contact is none of those at the end of the step."""
+
+
 @dataclass(frozen=True)
 class Change:
     """Something that happened at a value of the path's parameter."""
@@ -120,10 +124,10 @@ def _first(setting: Setting, path: Path, old: Along, new: Along, order: int) -> 
         return min(mine, key=lambda gap: gap[0], default=(np.inf, sites[0]))
 
     if np.isinf(least(new.parameter, kept=True)[0]):
-        raise NoEquilibriumError("the first contact has moved on within the step")
+        raise MovedOnError("the first contact has moved on within the step")
     where = bracketed(lambda parameter: min(least(parameter, kept=True)[0], 1.0), old.parameter, new.parameter)
     if least(where, kept=False)[0] < -_GRAZED:
-        raise NoEquilibriumError("the first contact has moved on within the step")
+        raise MovedOnError("the first contact has moved on within the step")
     touched = least(where, kept=True)[1]
     points = replace(new, equilibrium=pointed(setting, new.equilibrium, order))
     obstacle = setting.obstacle(path.frame(where))

@@ -19,7 +19,7 @@ from gripper.motion.holding import changing, decided, excess
 from gripper.motion.ledger import BALANCED, Ledger
 from gripper.motion.locking import check_locked
 from gripper.motion.others import other_solutions
-from gripper.motion.tracker import Tracker, within
+from gripper.motion.tracker import NUDGE, Tracker, within
 from gripper.motion.work import booked, dips
 from gripper.result import PoseResult
 from gripper.results.loop import Loop
@@ -30,7 +30,6 @@ from gripper.statics.gathered import gathered
 from gripper.statics.holds import coefficient, grip_of, leaders, overdue, ratio_rate, regripped, slip_rates, tangent
 from gripper.statics.verified import Verified, untouched, verify
 
-_NUDGE = 1e-7  # of L: how far beyond the first touch the first hold is decided
 _FINE = 1e-2  # of L: shorter steps are not cut for their balance
 _CHANGING = 0.01  # of L: the longest step in which a patch comes or goes, or that ends free of the object
 _BEYOND = 1.5  # of the way to where a contact starts to slip, by the tangent
@@ -168,7 +167,7 @@ class FrictionTracker(Tracker):
             self.parameter, self.current = following, free
             return
         rest = self._travel(touch, following)
-        near = touch + (following - touch) * _NUDGE / rest if rest > _NUDGE else following
+        near = touch + (following - touch) * NUDGE / rest if rest > NUDGE else following
         self.heading = float(np.sign(following - start))
         before = 2 * touch - near
         if (before - start) * self.heading > 0:  # so that the touch is located on a short step

@@ -19,7 +19,7 @@ from gripper.contact.linear import linearise
 from gripper.contact.obstacle import Frame
 from gripper.contact.site import Site, pointed
 from gripper.motion.branch import Along, Path
-from gripper.motion.events import STRUT, Change, changes, check_unbroken, head_on
+from gripper.motion.events import STRUT, Change, MovedOnError, changes, check_unbroken, head_on, touched_at
 from gripper.motion.exchange import exchanged
 from gripper.motion.watch import Watch
 from gripper.result import PoseResult
@@ -38,6 +38,8 @@ from gripper.statics.verified import Verified, stability, untouched, verify
 
 ON_CLAMP = "the object lies on the clamp"
 """The reason of a pose that no bending frees."""
+NUDGE = 1e-7
+"""Of L: how far beyond the first touch its contacts, and how they hold, are found."""
 _LONGEST = 0.1  # of L
 _SHALLOW = 0.02  # of L: how deep a sharp corner may sink before the first contact is looked for
 _BEYOND = 2e-3  # of L: how far behind a limit point the descent starts
@@ -231,9 +233,22 @@ class Tracker:
             if untouched(self.setting, free):
                 self.parameter, self.current = following, free
                 return
-            self._accept(following, self._touched(following, free.survey))
+            try:
+                self._accept(following, self._touched(following, free.survey))
+            except MovedOnError:
+                near = self._just_touched(following)
+                if near is None:
+                    raise
+                self._accept(near, self._touched(near))
             return
         self._accept(following, self._followed(following))
+
+    def _just_touched(self, following: float) -> float | None:
+        """A little beyond the first touch of the free finger; None where that is the step's end, or it is grazed."""
+        here = Along(self.parameter, self.current.equilibrium)
+        touch = touched_at(self.setting, self.path, here, following)
+        rest = 0.0 if touch is None else self._travel(touch, following)
+        return touch + (following - touch) * NUDGE / rest if touch is not None and rest > NUDGE else None
 
     def _touched(self, following: float, known: Survey | None = None) -> Verified:
         """The finger is free now and the object would penetrate it: SLSQP finds the contacts."""
