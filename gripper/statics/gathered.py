@@ -15,8 +15,8 @@ from gripper.contact.site import Site
 from gripper.statics.active import held
 from gripper.statics.candidates import resolved, violated
 from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, State
-from gripper.statics.patches import settle_contacts
 from gripper.statics.problem import Problem
+from gripper.statics.settling import settle_contacts
 from gripper.statics.verified import PULL, Verified, verify
 
 _ROUNDS = 6
