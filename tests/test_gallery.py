@@ -32,6 +32,7 @@ OTHERS = (
     "error_against_time",
     "force_curves",
     "friction_models",
+    "many_sides",
     "material_laws",
     "robustness",
     "optimal_hook",
@@ -311,3 +312,10 @@ def test_a_plugin_passes_every_check_of_the_kit() -> None:
     scene = run("plugin_author").module.scene
     check_object(scene.object.body)
     check_finger(scene.finger)
+
+
+def test_a_polygon_of_many_sides_has_nearly_its_circle_s_energy(capsys: pytest.CaptureFixture[str]) -> None:
+    rows = list(script(ROOT / "gallery" / "many_sides.py").main(count=1, sides=60, repeats=1))
+    table = capsys.readouterr().out.splitlines()[1:]
+    assert [line.split()[0] for line in table] == ["bending", "shear"] and len(rows) == 2
+    assert all(float(line.split()[-1]) < 0.05 for line in table)

@@ -633,7 +633,7 @@ def test_scenes_of_one_pose_stand_beside_each_other_to_one_scale() -> None:
     assert lengths[1] == pytest.approx(2 * lengths[0])
     with pytest.raises(ValueError, match="results must hold at least one"):
         plot.beside({})
-    with pytest.raises(ValueError, match="holds 2 poses"):
+    with pytest.raises(ValueError, match="must hold one pose"):
         plot.beside({"moving": motion([0.1, 0.2])})
 
 
