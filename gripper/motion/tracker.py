@@ -21,6 +21,7 @@ from gripper.contact.site import Site, pointed
 from gripper.motion.branch import Along, Path
 from gripper.motion.events import STRUT, Change, MovedOnError, changes, check_unbroken, head_on, touched_at
 from gripper.motion.exchange import exchanged
+from gripper.motion.trail import Trail
 from gripper.motion.watch import Watch
 from gripper.result import PoseResult
 from gripper.results.loop import Loop
@@ -33,7 +34,6 @@ from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting
 from gripper.statics.newton import unloaded
 from gripper.statics.settling import settle_contacts
 from gripper.statics.snap import descend, distance
-from gripper.statics.steps import extrapolated, predicted
 from gripper.statics.verified import Verified, stability, untouched, verify
 
 ON_CLAMP = "the object lies on the clamp"
@@ -51,8 +51,6 @@ _SETTLING = 20  # evaluations of the gaps in a step that fails
 _EFFORT = 4000  # evaluations of the gaps that may be in vain on the way to a pose
 _SNAPS = 3
 _HIGHEST_ORDER = 14
-_EXTRAPOLATED = 3.0  # of the last step: the next one may be that much longer and still bend as it did
-_REMEMBERED = 6  # equilibria before the last one
 _DEPARTS = 0.5  # of a step: what it may differ from its prediction
 _LEAVES = "the equilibrium ends here: the finger leaves for another"
 _ALONG = np.linspace(0.0, 1.0, 33)
@@ -100,7 +98,7 @@ class Tracker:
         self.changes: list[Change] = []
         self.iterations = 0
         self._asked = math.nan
-        self._trail: list[Along] = []  # the last equilibria of the same contacts before the current one, newest first
+        self.trail = Trail(setting)
         self._travelled = (math.nan, math.nan, 0.0)
         self.current = free or self._free(parameter)
         if free is None and not untouched(setting, self.current):
@@ -282,7 +280,7 @@ class Tracker:
     def _followed(self, following: float) -> Verified:
         """Predict along the tangent and correct; SLSQP where the contacts change on the way."""
         start = self.current.equilibrium
-        guess = self._predicted(following - self.parameter)
+        guess = self.trail.predicted(Along(self.parameter, start), following - self.parameter)
         travel = self._travel(self.parameter, following)
         expected = float(np.linalg.norm(guess.z - start.state.z))
         try:
@@ -320,26 +318,6 @@ class Tracker:
         """Whether a contact's multiplier is about to change its sign."""
         return bool(np.any(predicted.multipliers <= 0))
 
-    def _predicted(self, change: float) -> State:
-        """By the polynomial through the last equilibria of the same contacts; along the tangent where they are few."""
-        equilibrium, last, behind = self.current.equilibrium, self.parameter, []
-        for at in self._trail_of(equilibrium):
-            if (last - at.parameter) * change <= 0:
-                break  # before that the motion went the other way
-            last = at.parameter
-            behind.append((last, at.equilibrium))
-        guess = extrapolated(self.setting, [(self.parameter, equilibrium), *behind], self.parameter + change)
-        if guess is not None:
-            return guess
-        if behind and abs(change) < _EXTRAPOLATED * abs(self.parameter - behind[0][0]):
-            return predicted(self.setting, equilibrium, change, (behind[0][1], self.parameter - behind[0][0]))
-        return predicted(self.setting, equilibrium, change)
-
-    def _trail_of(self, equilibrium: Equilibrium) -> list[Along]:
-        """The equilibria before this one, if they have the same contacts."""
-        trail = self._trail
-        return trail if trail and _alike(trail[0].equilibrium.state, equilibrium.state) else []
-
     def _compare(self, found: Verified, moved: float, travel: float) -> None:
         """A finger moves with its object: by as much, or as much more as its tip lies beyond the contact.
 
@@ -368,8 +346,7 @@ class Tracker:
                 sites = before.equilibrium.state.sites, after.equilibrium.state.sites
                 changed = [Change(following, "change", transition(self.setting.outline, *sites))]
         self.iterations += found.equilibrium.iterations
-        same = not changed and _alike(before.equilibrium.state, found.equilibrium.state)
-        self._trail = [before, *self._trail_of(before.equilibrium)[:_REMEMBERED]] if same else []
+        self.trail.step(before, Along(following, found.equilibrium), changed=bool(changed))
         self.parameter, self.current = following, found
         if self.events:
             self.changes += changed
@@ -392,7 +369,8 @@ class Tracker:
             raise NoEquilibriumError(f"{STRUT}; {failure}" if on_end else str(failure)) from failure
         self.iterations += found.equilibrium.iterations
         self.changes.append(Change(self.parameter, "snap", STRUT if on_end else _LEAVES))
-        self.parameter, self.current, self._trail = following, found, []
+        self.parameter, self.current = following, found
+        self.trail.forget()
 
     def arrive(self, parameter: float, found: Verified) -> Answer:
         """Take an equilibrium that was found at a value of the parameter for the one that is followed."""
@@ -405,7 +383,8 @@ class Tracker:
         while error > self.setting.tolerance and self.order < _HIGHEST_ORDER:
             self.order += 2
             state = self.current.equilibrium.state
-            self.current, self._trail = self._at(self.parameter, state), []
+            self.current = self._at(self.parameter, state)
+            self.trail.forget()
             self.iterations += self.current.equilibrium.iterations
             error = discretisation_error(self.setting, self.current.equilibrium)
         return Answer(self.current, error, 0.0, self.iterations)
@@ -418,18 +397,6 @@ def tracker_for(setting: Setting) -> type[Tracker]:
     from gripper.motion.frictional import FrictionTracker  # without friction it is not even read
 
     return FrictionTracker
-
-
-def _alike(one: State, other: State) -> bool:
-    """Whether two states have the same contacts and unknowns."""
-    if len(one.sites) != len(other.sites) or one.z.size != other.z.size:
-        return False
-    pairs = zip(one.sites, other.sites, strict=True)
-    return all(
-        (a.kind, a.piece, a.vertex, a.modes, a.unknowns) == (b.kind, b.piece, b.vertex, b.modes, b.unknowns)
-        and (a.grip and (a.grip.hold, a.grip.sense)) == (b.grip and (b.grip.hold, b.grip.sense))
-        for a, b in pairs
-    )
 
 
 def within(parameter: float, start: float, stop: float) -> float:
