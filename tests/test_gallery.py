@@ -38,6 +38,7 @@ OTHERS = (
     "optimal_hook",
     "constant_force",
     "designs_needed",
+    "variants",
 )
 SCRIPTS = [
     p for p in sorted((ROOT / "gallery").glob("*.py")) if p.stem not in OTHERS
