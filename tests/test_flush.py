@@ -86,3 +86,14 @@ def test_the_force_of_a_flush_finger_changes_with_its_thickness_as_its_sensitivi
     exact = gr.solve(scene).sensitivity("finger.thickness").force_on_object
     thick, thin = (np.array(posed(body, thickness=THICKNESS + step).force_on_object) for step in (h, -h))
     assert np.ravel(exact) == pytest.approx((thick - thin) / (2 * h), rel=1e-5)
+
+
+@pytest.mark.parametrize(("lift_off", "slope"), [(0.1, 0.01), (0.1, 0.02), (0.2, 0.05)])
+def test_a_finger_that_lies_flush_from_near_its_clamp_on_is_answered(lift_off: float, slope: float) -> None:
+    """What a pressure cut off too soon leaves would lift the long rest of the finger off the wall, and sink it in."""
+    pose = posed(wall(lift_off, slope), 1e-3)
+    (contact,) = pose.contacts
+    a = contact.extent[0]
+    force = slope / (a**2 / 2 + DECAY * a + DECAY**2)
+    assert contact.normal_force == pytest.approx(force, rel=2 * slope)
+    assert contact.extent[1] == pytest.approx(1.0)

@@ -37,10 +37,10 @@ if TYPE_CHECKING:
     from gripper.contact.grip import Grip
 
 Kind = Literal["tangent", "corner", "node", "vertex", "patch", "tail", "span"]
-NARROW, WIDE = 2, 8
-"""Fewest and most pressure modes of a patch: short, or long, against the length over which shear decays."""
+NARROW, WIDE, WIDEST = 2, 8, 14
+"""Pressure modes of a patch: short, or long, against the length over which shear decays, or followed to nothing."""
 _UNKNOWN_PLACES = {"tangent": 1, "corner": 0, "node": 0, "vertex": 1, "patch": 2, "tail": 1, "span": 0}
-CUTS = {6: (0.35,), 8: (0.12, 0.35)}
+CUTS = {6: (0.35,), 8: (0.12, 0.35), 12: (0.07, 0.2, 0.45)}
 # parts of a patch with many modes where its segments end: strains of order p carry pressures of order p - 1, and the
 # pressure decays from the near end
 

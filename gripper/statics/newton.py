@@ -60,7 +60,7 @@ def settle(setting: Setting, obstacle: Obstacle, state: State, order: int, *, ju
         return unloaded(setting, obstacle, order, state if state.z.any() else None)
     if any(site.spreads and site.place[0] >= site.place[1] for site in state.sites):
         raise NoEquilibriumError("a patch has shrunk to nothing")
-    if any(site.kind != "patch" and site.modes == WIDE for site in state.sites):
+    if any(site.kind != "patch" and site.modes >= WIDE for site in state.sites):
         order = max(order, _FLUSH_ORDER)
     return _newton(setting, obstacle, state, order, judged=judged and obstacle.acting is None)
 

@@ -20,9 +20,10 @@ _WIDTHS = (
     (5.0, 6),
     (np.inf, WIDE),
 )  # modes of a patch by its width over sqrt(EI / GA)
-_FLAT_WIDTHS = ((0.3, NARROW + 1), (np.inf, WIDE))  # the same on a flat, where it falls to nothing at the far end
+_FLAT_WIDTHS = ((0.3, NARROW + 1), (7.0, WIDE), (np.inf, 12))
+# the same on a flat, where it falls to nothing at the far end
 _STRAIGHT = 1e-9  # curvature times L
-DECAYED = 6.0  # of sqrt(EI / GA): as far as a pressure that decays is followed
+DECAYED = 10.5  # of sqrt(EI / GA): as far as a pressure that decays is followed (what is left bends the rest by 1e-7)
 _LOOSE = 1.4  # by as much more or less a tail may reach before it is cut anew
 _LOOKS = 3  # each 32 times as close
 _TURNED = 1e-3  # rad: a flat that turns by more has ended
@@ -98,7 +99,8 @@ def _patch(setting: Setting, equilibrium: Equilibrium, site: Site, force: float,
     if force > rigidity * max(curvature, 0.0) * FLUSH * decay:
         stop = flat_until(setting, equilibrium.obstacle, equilibrium.state, site, DECAYED * decay)
         if stop - site.place[0] > FLUSH * decay:
-            return replace(site, kind="tail", place=(site.place[0] - decay / 2, stop), modes=WIDE)
+            tail = replace(site, kind="tail", place=(site.place[0] - decay / 2, stop))
+            return replace(tail, modes=pressure_modes(setting, tail, flat=True))
         return site
     width = force / (rigidity * curvature)
     if width < PATCH:
