@@ -100,7 +100,7 @@ def _patch(setting: Setting, equilibrium: Equilibrium, site: Site, force: float,
         stop = flat_until(setting, equilibrium.obstacle, equilibrium.state, site, DECAYED * decay)
         if stop - site.place[0] > FLUSH * decay:
             tail = replace(site, kind="tail", place=(site.place[0] - decay / 2, stop))
-            return replace(tail, modes=pressure_modes(setting, tail, flat=True))
+            return replace(tail, modes=pressure_modes(setting, tail, flat=True)[0])
         return site
     width = force / (rigidity * curvature)
     if width < PATCH:
