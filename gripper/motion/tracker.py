@@ -96,6 +96,7 @@ class Tracker:
     ) -> None:
         self.setting, self.path, self.parameter, self.order, self.events = setting, path, parameter, order, events
         self.changes: list[Change] = []
+        self._fell: tuple[Verified, float, NoEquilibriumError] | None = None  # a descent that came to nothing
         self.iterations = 0
         self._asked = math.nan
         self.trail = Trail(setting)
@@ -363,10 +364,15 @@ class Tracker:
             raise error
         obstacle = self.setting.obstacle(self.path.frame(following))
         on_end = all(self.setting.outline.place(site.piece, np.zeros(1))[0] == "tip" for site in start.sites)
+        fell = self._fell
+        if fell is not None and fell[0] is self.current and math.isclose(fell[1], following, rel_tol=1e-9):
+            raise fell[2]  # at every pose beyond it would be the same descent
         try:
             found = descend(self.setting, obstacle, start, self.order)
         except NoEquilibriumError as failure:
-            raise NoEquilibriumError(f"{STRUT}; {failure}" if on_end else str(failure)) from failure
+            told = NoEquilibriumError(f"{STRUT}; {failure}" if on_end else str(failure))
+            self._fell = self.current, following, told
+            raise told from failure
         self.iterations += found.equilibrium.iterations
         self.changes.append(Change(self.parameter, "snap", STRUT if on_end else _LEAVES))
         self.parameter, self.current = following, found
