@@ -44,12 +44,12 @@ def run(
 
 def _run(scene_file: Path, folder: Path) -> None:
     from gripper.output import write
-    from gripper.results.report import as_text
     from gripper.scenefile import SceneFileError, read
 
     try:
         scene = read(scene_file)
         import gripper.trace  # noqa: F401  # what takes time to import, before there is a folder
+        from gripper.results.report import as_text
 
         with output_folder(folder):
             result, interrupted = _as_far_as_it_goes(scene, scene_file)
