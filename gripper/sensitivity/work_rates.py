@@ -93,8 +93,9 @@ class Account:
         """Rates of all rises of the stored energy, and of all falls."""
         points = [at for step in self.way.steps for at in self._points(*step)]
         energies = np.array([at.equilibrium.stored for at in points])
-        changes = np.diff(energies)
-        changes[np.abs(changes) < _ROUND_OFF * np.abs(energies).max()] = 0.0
+        least = _ROUND_OFF * np.abs(energies).max()
+        kept = np.flatnonzero(np.append(True, np.abs(np.diff(energies)) > least))  # where a step begins the last ended
+        points, changes = [points[i] for i in kept], np.diff(energies[kept])
         return self._summed(points, changes > 0), -self._summed(points, changes < 0)
 
     def _summed(self, points: list[Along], counted: Array) -> Array:
