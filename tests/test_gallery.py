@@ -29,7 +29,6 @@ from gripper_plugins.objects import Ellipse
 ROOT = Path(__file__).parents[1]
 OTHERS = (
     "cost",
-    "many_sides",
     "error_against_time",
     "force_curves",
     "friction_models",
