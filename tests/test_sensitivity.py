@@ -115,12 +115,6 @@ LOADED = {
     ),
 }
 COMPOSED = {
-    "where two parts cross, slipping": pushed(
-        Union(parts=(Circle(radius=0.014).at(x=-0.008), Circle(radius=0.014).at(x=0.008))),
-        0.4,
-        "shear",
-        friction=SLIPPERY,
-    ),
     "a corner cut into a circle": pushed(
         Difference(parts=(Circle(radius=0.02), Circle(radius=0.02).at(x=0.012, y=0.022))), 0.0, "bending"
     ),
@@ -164,7 +158,9 @@ def test_derivatives_are_those_of_the_discrete_equations_by_every_number(motion)
 
 @pytest.mark.parametrize("motion", LOADED)
 def test_so_are_those_by_loads_and_by_an_elastic_base(motion):
-    agree_with_differences(LOADED[motion], r"loads|finger.base|length|angle|youngs|thickness|rest|object.pose.y")
+    agree_with_differences(
+        LOADED[motion], r"loads|finger.base|length|angle|youngs|thickness|rest|object.pose.y", fine=True
+    )
 
 
 @pytest.mark.parametrize("motion", LAWS)
