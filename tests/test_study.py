@@ -173,7 +173,7 @@ def test_the_cost_script_measures_and_writes_what_it_prints(tmp_path: Path, caps
     rows = cost_script().main(tmp_path, two, repeats=1)
     table = (tmp_path / "cost.csv").read_text().splitlines()
     assert table[0].split(",") == list(rows[0]._fields)
-    assert len(table) == len(rows) + 1 == len(capsys.readouterr().out.splitlines()) == 17
+    assert len(table) == len(rows) + 1 == len(capsys.readouterr().out.splitlines()) == 25
     for row in rows:
         ours = row.what.endswith("gripper")
         assert row.force_error < (1e-4 if ours else 0.04), row

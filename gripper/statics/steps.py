@@ -145,7 +145,8 @@ def _flow(setting: Setting, equilibrium: Equilibrium) -> Array:
     small = _SMALL / max(largest(dplaces), 1.0)
     moved = setting.breaks(state.placed(state.places + small * dplaces).sites)
     breaks = setting.breaks(state.sites)
-    moves = np.subtract(moved, breaks) / small if len(moved) == len(breaks) else 0 * state.beam.starts
+    known = len(moved) == len(breaks) == len(state.beam.breaks)
+    moves = np.subtract(moved, breaks) / small if known else np.zeros(len(state.beam.breaks))
     return state.beam.coefficients(dz) + state.beam.convection(state.z, moves)
 
 

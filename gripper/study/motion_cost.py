@@ -40,7 +40,9 @@ HEAD = f"{'theory':8} {'what':45} {'CPU ms: median':>14} {'min':>8} {'paper/this
 
 
 def costs(scene: Scene, places: Sequence[float], repeats: int = 7) -> Iterator[Cost]:
-    """Measure some poses alone, and then the scene's whole motion, which passes through them; errors by shooting.
+    """Measure some poses alone, a motion that passes through them, and all its poses in contact alone.
+
+    Errors are by shooting, of the poses named.
 
     Parameters
     ----------
@@ -77,9 +79,14 @@ def costs(scene: Scene, places: Sequence[float], repeats: int = 7) -> Iterator[C
         max(_error(each.answers[0][i].force_on_object, exact) for i, exact in at.items()),
     ]
     touching = [i for i, pose in enumerate(whole.answers[0]) if pose.status == "contact"]
+    alone = [repeated(partial(solve, single_pose(scene, values[i])), repeats).seconds for i in touching]
+    theirs_alone = [[run[i].seconds for run in each.answers] for i in touching]
+    for what, of in (("median", median), ("slowest", max)):
+        runs = [[float(of(run)) for run in zip(*seconds, strict=True)] for seconds in (alone, theirs_alone)]
+        yield from row(f"{what} of {len(touching)} cold poses in contact", (runs[0], runs[1]), errors)
     mine = [median(run[i].seconds for i in touching) for run in whole.answers]
     theirs = [median(run[i].seconds for i in touching) for run in each.answers]
-    yield from row("median pose in contact", (mine, theirs), errors)
+    yield from row("median warm pose in contact", (mine, theirs), errors)
     yield from row(f"all {len(values)} poses", (whole.seconds, each.seconds), errors)
 
 
