@@ -429,3 +429,23 @@ def test_a_step_s_corner_rests_on_a_flat_like_a_needle_rests_on_the_finger(theor
     assert 0.5 <= contact.s <= 0.502
     center = complex(*contact.point) - complex(0.5, -0.15)
     assert complex(*contact.normal) == pytest.approx(center / 0.2, abs=1e-6)
+
+
+@pytest.mark.parametrize("poses", [2, 9, 41])
+def test_a_face_goes_over_from_a_corner_to_the_arc_beside_it_where_it_has_the_arc_s_direction(poses: int) -> None:
+    """Also where a pose just behind keeps the corner, by less than the penetration allowed."""
+    lens = Difference(parts=(Circle(radius=0.11), Circle(radius=0.11).at(x=0.1, y=0.11)))
+    corner = min(lens.corners, key=lambda place: place[0])
+    placed = lens.at(x=0.67, y=Q)
+
+    def moved(*values: float) -> gr.Result:
+        return gr.trace(gr.Scene(finger=FINGER, object=placed, motion=gr.Motion("q", values), theory="bending"))
+
+    touch, change = moved(*np.linspace(-0.2, -0.07, poses)).events
+    assert (touch.kind, change.kind) == ("touch", "change")
+    before, after = (moved(-0.2, change.parameter + step).poses[-1].contacts[0] for step in (-3e-3, 3e-3))
+    assert before.point == pytest.approx((0.67 + corner[0], change.parameter - 3e-3 + corner[1]), abs=1e-7)
+    away = np.subtract(after.point, (0.67, change.parameter + 3e-3))
+    assert np.hypot(*away) == pytest.approx(0.11, abs=1e-7) and after.point[0] < before.point[0]
+    directions = [math.atan2(*contact.normal) for contact in (before, after)]
+    assert min(directions) - 1e-4 < math.atan2(*corner) < max(directions) + 1e-4

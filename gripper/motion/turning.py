@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from gripper.arrays import Complex
 from gripper.contact.features import Feature
 from gripper.contact.site import Site
 from gripper.motion.branch import SHARP, Along, Branch, Path, bracketed, joined, number, released
@@ -21,6 +22,7 @@ _ROLLED = 1e-3  # of L: the same where an object rolls over a corner: between co
 _ROLLS = 0.25  # of a step: the same from corner to corner
 _SKIPPED = 1e-6  # of L: where a corner is sunk deeper others have carried in between
 _BESIDE = 1e-6  # of L: how far from a corner its side is looked at
+_ASIDE = 0.5  # of the way along it: corners further aside are of other parts of the object
 _SHORTLY = 1e-2  # of a step
 _MEETING = 1e-9  # of L: where pieces of the outline meet
 
@@ -132,6 +134,13 @@ def rolled_apart(old: Along, new: Along) -> float:
     return max(_ROLLED, _ROLLS * distance(old.equilibrium.state, new.equilibrium.state))
 
 
+def _corner_between(corners: Complex, at: complex, touched: complex) -> bool:
+    """Whether an object's outline has another corner on its way from one of its corners to a place on it."""
+    way = touched - at
+    passed = (corners - at) / way  # along the way, and across it, in parts of it
+    return bool(np.any((passed.real > _MEETING) & (passed.real < 1 - _MEETING) & (np.abs(passed.imag) < _ASIDE)))
+
+
 def _turned(
     setting: Setting, path: Path, pair: tuple[Along, Along], contact: tuple[Feature, Feature], order: int, end: float
 ) -> float:
@@ -143,7 +152,7 @@ def _turned(
     corner, side = contact if contact[0][0] == "vertex" else contact[::-1]
     known = beside.equilibrium
     at, touched = known.obstacle.corners[corner[2]], complex(known.linear.points[number(beside, side)].mean())
-    if float(known.obstacle.gap(np.array([(at + touched) / 2]))[0]) < -_SKIPPED:  # it is another corner's side
+    if _corner_between(known.obstacle.corners, at, touched):  # it is another corner's side
         alone = replace(at_corner, equilibrium=strongest_alone(setting, at_corner.equilibrium, order))
         held = Branch(setting, path, alone, order).at(beside.parameter)
         if distance(held.state, known.state) > rolled_apart(at_corner, beside):
@@ -152,14 +161,18 @@ def _turned(
     branch, i = Branch(setting, path, at_corner, order), number(at_corner, corner)
     away = touched - at
     beginning = at + away / abs(away) * _BESIDE
-    slope = complex(known.obstacle.slope(np.array([beginning]))[1][0]) / np.exp(1j * known.obstacle.frame.angle)
+    turned = np.exp(1j * known.obstacle.frame.angle)
+    slope, along = complex(known.obstacle.slope(np.array([beginning]))[1][0]) / turned, away / abs(away) / turned
+    towards = float(np.sign((slope.conjugate() * along).imag))  # the force turns as it leaves the corner
 
     def turn(parameter: float) -> float:
         there = branch.at(parameter)
         pressing = complex(there.linear.forces[i].sum()) / np.exp(1j * there.obstacle.frame.angle)
-        return float((slope.conjugate() * pressing).imag)
+        return float((slope.conjugate() * pressing).imag) * towards
 
-    where = bracketed(turn, at_corner.parameter, beside.parameter)
+    # it may have been kept at the corner a hair beyond, within the penetration allowed
+    beyond = turn(at_corner.parameter) >= 0
+    where = at_corner.parameter if beyond else bracketed(turn, at_corner.parameter, beside.parameter)
     there, further = branch.at(where), where + _SHORTLY * (beside.parameter - where)
     other = Branch(setting, path, beside, order).at(further)
     if distance(there.state, other.state) > _ROLLED:
