@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -21,7 +22,7 @@ from gripper_plugins.objects.intersection import Intersection
 from gripper_plugins.objects.polygon import Polygon
 from gripper_plugins.objects.union import Union
 from tests.rubbing import balance, check_coulomb, force, off
-from tests.scenes import Q, unit_finger
+from tests.scenes import TAPERED, Q, unit_finger
 
 EDGE = PolygonJaw(vertices=((0, -0.03), (0, -0.13), (0.2, -0.13), (0.2, -0.03)))
 BUMPS = Union(parts=(Circle(radius=0.02).at(x=-0.06), Circle(radius=0.02).at(x=0.06)))
@@ -258,3 +259,21 @@ def test_stick_ends_at_the_coefficient_of_the_place_where_the_contact_is():
     assert ratio == pytest.approx(0.6 - 0.6 * contact.s, rel=1e-8)
     assert slipped[0] > 1.0001 * slipped[1]
     assert balance(graded.poses).max() < 1e-3
+
+
+@pytest.mark.parametrize("coefficient", [None, 0.2])
+def test_of_two_bumps_under_a_face_the_lower_one_hides_none_however_long_the_step(coefficient):
+    """Between two samples of the face a gap may have two minima; an object is never passed for one that is free."""
+    bumps = Union(parts=(Circle(radius=0.014).at(x=-0.008), Circle(radius=0.014).at(x=0.008)))
+    friction = gr.Friction(coefficient=coefficient) if coefficient else None
+    ends = []
+    for poses in (2, 9):
+        motion = gr.Motion("q", np.linspace(-0.06, -0.025, poses))
+        scene = gr.Scene(finger=TAPERED, object=bumps.at(x=0.12, y=Q, angle=0.4), motion=motion, theory="shear")
+        ends.append(gr.trace(replace(scene, friction=friction)).poses[-1])
+    for end in ends:
+        (contact,) = end.contacts  # of the bump that is further out, and higher: below it by its radius
+        higher = np.array((0.12, -0.025)) + 0.008 * np.array((math.cos(0.4), math.sin(0.4)))
+        assert math.dist(contact.point, higher) == pytest.approx(0.014, abs=1e-6)
+        assert end.min_gap > -1e-6 * TAPERED.length
+    assert ends[0].force_on_object == pytest.approx(ends[1].force_on_object, rel=1e-6)

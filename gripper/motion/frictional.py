@@ -164,6 +164,8 @@ class FrictionTracker(Tracker):
         start, here = self.parameter, Along(self.parameter, self.current.equilibrium)
         touch = None if untouched(self.setting, free) else touched_at(self.setting, self.path, here, following)
         if touch is None:
+            if not free.survey.clear:
+                raise NoEquilibriumError("what is touched first is not found")
             self.parameter, self.current = following, free
             return
         rest = self._travel(touch, following)

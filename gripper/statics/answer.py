@@ -51,7 +51,9 @@ def pose_result(setting: Setting, answer: Answer, parameter: float | None, place
     """The plain numbers of a pose; failed where a check is not met."""
     seen = profile(setting, answer.verified.equilibrium.state)
     checks = checked(setting, answer.verified, seen)
-    reason = shortcoming(checks) or unknown(setting, answer.verified.equilibrium.state, seen)
+    reason = (
+        _penetrated(answer.verified) or shortcoming(checks) or unknown(setting, answer.verified.equilibrium.state, seen)
+    )
     if reason:
         return PoseResult.failed(parameter, reason, answer.iterations, answer.seconds)
     scales, equilibrium = setting.sections, answer.verified.equilibrium
@@ -87,6 +89,10 @@ def pose_result(setting: Setting, answer: Answer, parameter: float | None, place
         shape=_shape(setting, seen, placement),
         kept=Kept(setting, equilibrium),
     )
+
+
+def _penetrated(verified: Verified) -> str | None:
+    return None if verified.survey.clear else "the object penetrates the finger"
 
 
 def _clamp_moment(equilibrium: Equilibrium) -> float:

@@ -27,6 +27,8 @@ from gripper.statics.equilibrium import Setting, State
 _SAMPLES = 9
 _REFINEMENTS = 2
 _MOST_REFINEMENTS = 60
+_HIDDEN = 1e-9  # of L: a minimum above the least sample by more is another one
+_CLOSER = np.linspace(0.0, 1.0, 65)
 _LOWER = 1e-6  # of L: twice what g may still fall below where it is taken to be least
 _GRAZING = 1e-9  # of L: the least deflection that unknowns are scaled to
 
@@ -185,7 +187,6 @@ class Problem:
         self._owners = np.array(owner, dtype=np.intp)
         self._u = np.array(u).reshape(-1, _SAMPLES)
         self._piece = np.array(piece, dtype=np.intp).reshape(-1, _SAMPLES)
-        self._segment = self._segments(self._piece, self._u)
         self._vertex = np.array([self.candidates[i].kind == "vertex" for i in owner], dtype=bool)
 
     def _segments(self, piece: Index, u: Array) -> Index:
@@ -261,24 +262,40 @@ class Problem:
 
     def _minima(self, axis: Axis) -> Array:
         rows = np.arange(len(self._owners))
-        flat = (self._u.ravel(), self._piece.ravel(), self._segment.ravel(), np.repeat(rows, _SAMPLES))
-        g, slope = (v.reshape(-1, _SAMPLES) for v in self._slope(axis, flat[0], flat[1], flat[2], flat[3]))
+        places, gaps, sampled = self._least(axis, self._u, rows)
+        hidden = np.flatnonzero(gaps > sampled + _HIDDEN)
+        if hidden.size:  # the bracket held two minima, and the root was the higher one's: look closer
+            step = self._u[hidden, 1] - self._u[hidden, 0]
+            low, high = (np.clip(places[hidden] + way * step, *self._u[hidden][:, [0, -1]].T) for way in (-1.0, 1.0))
+            closer = low[:, None] + (high - low)[:, None] * _CLOSER
+            places[hidden] = self._least(axis, closer, hidden)[0]
+        return places
+
+    def _least(self, axis: Axis, u: Array, rows: Index) -> tuple[Array, Array, Array]:
+        """On stretches with samples u (k, j): where the gap is least, the gap there, the least sampled one (k,)."""
+        count, each = u.shape[1], np.arange(len(rows))
+        pieces = np.repeat(self._piece[rows, 0], count)
+        segments = self._segments(np.repeat(self._piece[rows, :1], count, axis=1), u)
+        known = self._slope(axis, u.ravel(), pieces, segments.ravel(), np.repeat(rows, count))
+        g, slope = (v.reshape(-1, count) for v in known)
         least = np.argmin(g, axis=1)
         # the minimum lies beside the least sample, towards where g falls
-        other = np.clip(np.where(slope[rows, least] > 0, least - 1, least + 1), 0, _SAMPLES - 1)
-        a, b = self._u[rows, least], self._u[rows, other]
-        fa, fb = slope[rows, least], slope[rows, other]
+        other = np.clip(np.where(slope[each, least] > 0, least - 1, least + 1), 0, count - 1)
+        a, b = u[each, least], u[each, other]
+        fa, fb = slope[each, least], slope[each, other]
+        lowest, sampled = g[each, least], g[each, least]
         inner = (other != least) & (fa * fb < 0)
-        piece, segment = self._piece[:, 0], self._segment[rows, least]
+        piece, segment = self._piece[rows, 0], segments[each, least]
         for refinement in range(_MOST_REFINEMENTS):
             rise = np.where(inner, fb - fa, 1.0)
             if refinement >= _REFINEMENTS and not np.any(inner & (np.abs(fa**2 * (b - a) / rise) > _LOWER)):
                 break
             c = np.where(inner, a - fa * (b - a) / rise, a)
-            fc = np.where(inner, self._slope(axis, c, piece, segment, rows)[1], 0.0)
+            there, fc = self._slope(axis, c, piece, segment, rows)
+            lowest, fc = np.where(inner, there, lowest), np.where(inner, fc, 0.0)
             keep = fa * fc < 0  # the root lies between a and c
             # an end that stays counts for half (the Illinois rule): a sharp object is found as surely as a round one
             stays = np.where(refinement < _REFINEMENTS, 1.0, 0.5)
             a, fa, b, fb = c, fc, np.where(keep, a, b), np.where(keep, fa, fb * stays)
             inner &= np.abs(fa) > 1e-14
-        return np.where(inner, a - fa * (b - a) / np.where(inner, fb - fa, 1.0), a)
+        return np.where(inner, a - fa * (b - a) / np.where(inner, fb - fa, 1.0), a), lowest, sampled
