@@ -171,7 +171,9 @@ class Tracker:
         """The furthest parameter towards the target that the next step may reach."""
         room, travel = min(bound, self._safe_travel()), self._travel(self.parameter, target)
         if travel > room and not self.sites and bound > room:
-            room = min(bound, room + max(clearance(self.setting, self.current), 0.0))
+            proved = max(self.current.survey.least, 0.0)  # a lower bound that is there already
+            clear = proved if room + proved >= travel else clearance(self.setting, self.current)
+            room = min(bound, room + max(clear, 0.0))
         if travel <= room:
             return target
         following = self.parameter + (target - self.parameter) * room / travel

@@ -145,12 +145,12 @@ def _distance(setting: Setting, verified: Verified) -> float:
     start = np.where(feet.distances[first] < feet.distances[last], first, last)
     stretches = seen.pieces.take(close[turning])
     bent = (tangents[last] - tangents[first]) / spacing[close[turning]]
-    level = slopes[first] / (slopes[first] - slopes[last])  # where the slope would vanish on a straight line
-    return min(least, _between(setting, verified, stretches, level, feet.places[start], bent))
+    falls, rises = slopes[first], slopes[last]
+    return min(least, _between(setting, verified, stretches, (falls, rises), feet.places[start], bent))
 
 
 def _between(
-    setting: Setting, verified: Verified, stretches: Pieces, level: Array, foot: Complex, bent: Complex
+    setting: Setting, verified: Verified, stretches: Pieces, ends: tuple[Array, Array], foot: Complex, bent: Complex
 ) -> float:
     """The least distance on stretches of outline where it has a minimum: Newton's method, kept within.
 
@@ -160,17 +160,17 @@ def _between(
         The finger and its equilibrium.
     stretches
         Of the outline, (k,).
-    level
-        Where on each to start, from 0 to 1, (k,).
+    ends
+        The distance's slope where each starts, where it falls, and where it stops, (k,) both.
     foot
         On the object, near the feet, (k,).
     bent
         The outline's second derivatives there, roughly, (k,).
     """
     state, obstacle = verified.equilibrium.state, verified.equilibrium.obstacle
-    low, high = stretches.u0, stretches.u1
-    u, least = low + level * (high - low), np.inf
-    for _ in range(_NEARER):
+    low, high, (falls, rises) = stretches.u0, stretches.u1, ends
+    u, least = low + (high - low) * falls / (falls - rises), np.inf
+    for step in range(_NEARER):
         points, tangents, _ = setting.outline.trace(state.axis, stretches.piece, u, stretches.segment)
         feet = feet_of(obstacle, points, foot)
         foot, least = feet.places, min(least, float(feet.distances.min()))
@@ -178,8 +178,11 @@ def _between(
         # the second derivative of the distance along a straight outline, taken along all of c' as where d is a cone
         rise = feet.bends * np.abs(tangents) ** 2 + dot(feet.outward, bent)
         low, high = np.where(slope < 0, u, low), np.where(slope > 0, u, high)
+        falls, rises = np.where(slope < 0, slope, falls), np.where(slope > 0, slope, rises)
         moved = u - slope / np.where(rise > 0, rise, np.inf)
-        moved = np.where((rise > 0) & (moved > low) & (moved < high), moved, (low + high) / 2)
+        # along a polygon the slope goes by steps: a secant, and the middle in turns
+        between = low + (high - low) * (falls / (falls - rises) if step % 2 == 0 else 0.5)
+        moved = np.where((rise > 0) & (moved > low) & (moved < high), moved, between)
         if (np.abs(slope * (moved - u)) < _SETTLED).all():
             break
         u = moved
