@@ -61,12 +61,26 @@ def rolled_on(setting: Setting, equilibrium: Equilibrium, order: int, *, judged:
 
 
 def rolled_ahead(setting: Setting, obstacle: Obstacle, state: State) -> State:
-    """A guess with the corners of the object that lie lowest in it: Newton need not hold the old ones first."""
-    sites = list(state.sites)
+    """A guess with the corners of the object that lie lowest in it: Newton need not hold the old ones first.
+
+    Of neighbours that carried together and are passed by now the lowest one carries what they did.
+    """
+    sites, loads, keep = list(state.sites), state.loads, [True] * len(state.sites)
     for i, site in enumerate(sites):
-        if site.kind == "vertex" and site.grip is None and len(neighbours(sites, i, NEAR)) == 1:
-            sites[i] = _lowest(setting, obstacle, state.axis, site) or site
-    return state if sites == list(state.sites) else replace(state, sites=tuple(sites))
+        group = neighbours(state.sites, i, NEAR)
+        if site.kind != "vertex" or site.grip is not None or i != max(group, key=lambda j: float(loads[j][0])):
+            continue
+        lowest = _lowest(setting, obstacle, state.axis, site)
+        if lowest is None or any(state.sites[j].vertex == lowest.vertex for j in group):
+            continue
+        if len(group) > 1 and any(corners_of(state.sites, j) != (None, None) for j in range(len(sites))):
+            continue  # with a pressure between them
+        sites[i], loads[i] = lowest, np.array([sum(float(loads[j][0]) for j in group)])
+        for j in group:
+            keep[j] = j == i
+    if all(keep) and sites == list(state.sites):
+        return state
+    return replace(state, sites=tuple(sites), multipliers=np.concatenate(loads)).keeping(keep)
 
 
 def _named(sites: Sequence[Site]) -> frozenset[tuple[str, int, int]]:
