@@ -27,7 +27,7 @@ from gripper.statics.equilibrium import Setting, State
 _SAMPLES = 9
 _REFINEMENTS = 2
 _MOST_REFINEMENTS = 60
-_HIDDEN = 1e-9  # of L: a minimum above the least sample by more is another one
+_HIDDEN = 1e-5  # of L: a minimum above the least sample by more is another one
 _CLOSER = np.linspace(0.0, 1.0, 65)
 _LOWER = 1e-6  # of L: twice what g may still fall below where it is taken to be least
 _GRAZING = 1e-9  # of L: the least deflection that unknowns are scaled to

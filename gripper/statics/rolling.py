@@ -71,10 +71,9 @@ def rolled_ahead(setting: Setting, obstacle: Obstacle, state: State) -> State:
         if site.kind != "vertex" or site.grip is not None or i != max(group, key=lambda j: float(loads[j][0])):
             continue
         lowest = _lowest(setting, obstacle, state.axis, site)
-        if lowest is None or any(state.sites[j].vertex == lowest.vertex for j in group):
-            continue
-        if len(group) > 1 and any(corners_of(state.sites, j) != (None, None) for j in range(len(sites))):
-            continue  # with a pressure between them
+        still = len(group) > 1 and lowest is not None and any(sites[j].vertex == lowest.vertex for j in group)
+        if lowest is None or still or (len(group) > 1 and any(other.kind != "vertex" for other in sites)):
+            continue  # where there is a pressure beside them, it goes on with them
         sites[i], loads[i] = lowest, np.array([sum(float(loads[j][0]) for j in group)])
         for j in group:
             keep[j] = j == i
