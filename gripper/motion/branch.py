@@ -159,7 +159,12 @@ def bracketed(value: Callable[[float], float], start: float, stop: float) -> flo
         return start if abs(first) < abs(last) else stop
     if first * last > 0:
         raise NoEquilibriumError("the step leads to another branch")
-    return float(brentq(value, start, stop, xtol=SHARP * abs(stop - start), rtol=1e-14))
+    known = {start: first, stop: last}  # which brentq asks for again
+
+    def asked(parameter: float) -> float:
+        return known[parameter] if parameter in known else value(parameter)
+
+    return float(brentq(asked, start, stop, xtol=SHARP * abs(stop - start), rtol=1e-14))
 
 
 def number(known: Along, feature: Feature) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -115,11 +116,15 @@ def _first(setting: Setting, path: Path, old: Along, new: Along, order: int) -> 
     """Where the free finger is touched first, and by what: a contact that the new pose still has, or has rolled on."""
     sites = new.equilibrium.state.sites
 
-    def least(parameter: float, *, kept: bool) -> tuple[float, Site]:
+    @functools.cache  # of some parameters both are asked for, or one of them again
+    def seen(parameter: float) -> tuple[list[tuple[float, Site]], set[int]]:
         obstacle = setting.obstacle(path.frame(parameter))
         state = _free(setting, obstacle, old)
         found = least_gaps(setting, obstacle, state, survey(setting, obstacle, state, brief=True))
-        own = _kept(setting, found, sites)
+        return found, _kept(setting, found, sites)
+
+    def least(parameter: float, *, kept: bool) -> tuple[float, Site]:
+        found, own = seen(parameter)
         mine = [gap for i, gap in enumerate(found) if (i in own) == kept]
         return min(mine, key=lambda gap: gap[0], default=(np.inf, sites[0]))
 
