@@ -88,7 +88,7 @@ def confirmed(setting: Setting, obstacle: Obstacle, near_it: State, order: int) 
         raise NoEquilibriumError("SLSQP names other contacts")
     if abs(sites[0].middle - site.middle) > _SAME:
         raise NoEquilibriumError("SLSQP names another place")
-    settled = settle_contacts(setting, obstacle, near_it, order)
+    settled = settle_contacts(setting, obstacle, near_it, order, judged=True)
     if settled.correction > _SAME * float(np.linalg.norm(settled.state.z)):
         raise NoEquilibriumError("the step departs from its prediction")
     return verify(setting, replace(settled, iterations=int(answer.nit) + settled.iterations))

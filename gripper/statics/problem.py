@@ -187,6 +187,7 @@ class Problem:
         self._owners = np.array(owner, dtype=np.intp)
         self._u = np.array(u).reshape(-1, _SAMPLES)
         self._piece = np.array(piece, dtype=np.intp).reshape(-1, _SAMPLES)
+        self._segment = self._segments(self._piece, self._u)
         self._vertex = np.array([self.candidates[i].kind == "vertex" for i in owner], dtype=bool)
 
     def _segments(self, piece: Index, u: Array) -> Index:
@@ -262,20 +263,20 @@ class Problem:
 
     def _minima(self, axis: Axis) -> Array:
         rows = np.arange(len(self._owners))
-        places, gaps, sampled = self._least(axis, self._u, rows)
+        places, gaps, sampled = self._least(axis, rows, self._u, self._segment)
         hidden = np.flatnonzero(gaps > sampled + _HIDDEN)
         if hidden.size:  # the bracket held two minima, and the root was the higher one's: look closer
             step = self._u[hidden, 1] - self._u[hidden, 0]
             low, high = (np.clip(places[hidden] + way * step, *self._u[hidden][:, [0, -1]].T) for way in (-1.0, 1.0))
             closer = low[:, None] + (high - low)[:, None] * _CLOSER
-            places[hidden] = self._least(axis, closer, hidden)[0]
+            segments = self._segments(np.repeat(self._piece[hidden, :1], _CLOSER.size, axis=1), closer)
+            places[hidden] = self._least(axis, hidden, closer, segments)[0]
         return places
 
-    def _least(self, axis: Axis, u: Array, rows: Index) -> tuple[Array, Array, Array]:
+    def _least(self, axis: Axis, rows: Index, u: Array, segments: Index) -> tuple[Array, Array, Array]:
         """On stretches with samples u (k, j): where the gap is least, the gap there, the least sampled one (k,)."""
         count, each = u.shape[1], np.arange(len(rows))
         pieces = np.repeat(self._piece[rows, 0], count)
-        segments = self._segments(np.repeat(self._piece[rows, :1], count, axis=1), u)
         known = self._slope(axis, u.ravel(), pieces, segments.ravel(), np.repeat(rows, count))
         g, slope = (v.reshape(-1, count) for v in known)
         least = np.argmin(g, axis=1)
