@@ -19,7 +19,7 @@ from gripper.statics.steps import advanced, ends_at, largest
 _ITERATIONS = 20
 _CONVERGED = 1e-5  # last step, relative: the next one, of second order, would be round-off
 _LEFT = 5e-5  # of the tolerance: what may then be left of the forces, relative
-_LEAST_LEFT, _MOST_LEFT = 1e-10, 5e-9  # within these bounds
+_LEAST_LEFT, _MOST_LEFT = 1e-10, 1e-9  # within these bounds
 _PRECISE = 1e-8  # tolerance of an equilibrium that is differentiated
 _FLUSH_ORDER = 5  # of strains that tell a pressure of many modes from the force of the corner that it ends in
 _FITS = 1e-3  # last step, relative: below it the fields fit the places
