@@ -11,7 +11,7 @@ import pytest
 import sympy
 
 import gripper as gr
-from gripper.motion.tracker import within
+from gripper.motion.events import Change
 from gripper.parameters import replaced
 from gripper.statics.equilibrium import NoEquilibriumError, reckoned
 from gripper.trace import Interrupted
@@ -370,8 +370,8 @@ def test_a_strut_s_undecided_side_is_told_however_long_the_steps(theory: str) ->
 @pytest.mark.parametrize(("event", "place"), [(0.5, 0.5), (1.1, 1.0), (-0.3, 0.0)])
 def test_an_event_of_a_step_is_on_the_step(event: float, place: float) -> None:
     """A contact that is kept a hair beyond its edge left it before the step: no leg of the motion turns for that."""
-    assert within(event, 1.0, 0.0) == place
-    assert -within(-event, -1.0, 0.0) == place
+    assert Change(event, "release", "").within(1.0, 0.0) == place
+    assert -Change(-event, "release", "").within(-1.0, 0.0) == place
 
 
 def test_a_contact_that_takes_over_within_one_step_is_located_as_by_steps_that_part_the_two():

@@ -119,7 +119,7 @@ def solved(scene: Scene, scene_file: Path, report: Progress | None) -> Result:
 def _check_reached(result: Result, scene_file: Path) -> None:
     """Refuse a scene of which no pose can be reached, whatever the finger does."""
     from gripper.motion.approach import HELD
-    from gripper.motion.tracker import ON_CLAMP
+    from gripper.motion.stride import ON_CLAMP
     from gripper.scenefile import SceneFileError
 
     reasons = {pose.reason or "" for pose in result.poses}

@@ -40,6 +40,10 @@ class Change:
     kind: Kind
     detail: str
 
+    def within(self, start: float, stop: float) -> float:
+        """Where it is on its step: a contact may be kept a little beyond its end, which then lies before it."""
+        return sorted((start, self.parameter, stop))[1]
+
 
 def changes(setting: Setting, path: Path, old: Along, new: Along, order: int, *, located: bool = True) -> list[Change]:
     """Touch, release and change of face, edge or corner between two neighbouring poses, located on the parameter.

@@ -19,7 +19,8 @@ from gripper.motion.holding import changing, decided, excess
 from gripper.motion.ledger import BALANCED, Ledger
 from gripper.motion.locking import check_locked
 from gripper.motion.others import other_solutions
-from gripper.motion.tracker import NUDGE, Tracker, within
+from gripper.motion.touching import NUDGE
+from gripper.motion.tracker import Tracker
 from gripper.motion.work import booked, dips
 from gripper.result import PoseResult
 from gripper.results.loop import Loop
@@ -151,11 +152,7 @@ class FrictionTracker(Tracker):
         before, known = Along(self.parameter, self.current.equilibrium), len(self.changes)
         super()._accept(following, found)
         kinds = ("touch", "change", "release")
-        broken = [
-            within(change.parameter, before.parameter, following)
-            for change in self.changes[known:]
-            if change.kind in kinds
-        ]
+        broken = [change.within(before.parameter, following) for change in self.changes[known:] if change.kind in kinds]
         self.ledger.book(before, Along(following, found.equilibrium), broken, self.heading, self.order)
 
     def _meet(self, following: float) -> None:
