@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gripper.arrays import Array, Complex, Index
+from gripper.beam.series import Series
 from gripper.beam.strains import Beam
 
 
@@ -83,21 +84,21 @@ class Axis:
         return self.beam.coefficients(self.z)
 
     @functools.cached_property
-    def _series(self) -> Array:
-        return self.beam.series(self.z, self.direction)
+    def _series(self) -> Series:
+        return Series(self.beam, self.fields, self.direction, self.beam.base_turn(self.z))
 
     def values(self, s: Array, segment: Index) -> tuple[Complex, Array, Complex, Array]:
         """Position x + iy, psi, r' and kappa (k,) at stations s (k,) of given segments (k,).
 
         Kappa is the strain: psi' less the curvature at rest.
         """
-        return self._values(self.beam.read(self._series, s, segment), s)
+        return self._values(self._series.read(s, segment), s)
 
     def evenly(self, count: int) -> tuple[Array, Complex, Array, Complex, Array]:
         """Stations (segments * count,) at even distances from end to end of each segment, and :meth:`values` there."""
         steps = np.linspace(0.0, 1.0, count)
         s = (self.beam.starts[:, None] + self.beam.lengths[:, None] * steps).ravel()
-        return s, *self._values(self.beam.read_evenly(self._series, count), s)
+        return s, *self._values(self._series.read_evenly(count), s)
 
     def _values(self, read: Array, s: Array) -> tuple[Complex, Array, Complex, Array]:
         x, y, psi, kappa, *strains = read.T

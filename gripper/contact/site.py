@@ -30,7 +30,8 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from gripper.arrays import Array
-from gripper.beam.strains import Beam, legendre
+from gripper.beam.legendre import legendre
+from gripper.beam.strains import Beam
 from gripper.contact.outline import UPPER
 
 if TYPE_CHECKING:

@@ -16,7 +16,8 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from gripper.arrays import Array, Complex, Index
-from gripper.beam.strains import Beam, legendre, legendre_integrals
+from gripper.beam.legendre import legendre, legendre_integrals
+from gripper.beam.strains import Beam
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from gripper.beam.strains import legendre
+from gripper.beam.legendre import legendre
 from gripper.contact.obstacle import Obstacle
 from gripper.contact.site import NARROW, WIDE, Site
 from gripper.statics.equilibrium import Equilibrium, Setting, State

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gripper.beam.strains import legendre
+from gripper.beam.legendre import legendre
 from gripper.contact.linear import linearise
 from gripper.contact.site import NARROW
 from gripper.statics.certificate import Survey, survey
