@@ -21,17 +21,17 @@ from gripper.motion.locking import check_locked
 from gripper.motion.others import other_solutions
 from gripper.motion.touching import NUDGE
 from gripper.motion.tracker import Tracker
-from gripper.motion.work import booked, dips
+from gripper.motion.work import dips
 from gripper.result import PoseResult
 from gripper.results.loop import Loop
 from gripper.statics.answer import Answer
-from gripper.statics.balance import Balance
 from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, State
 from gripper.statics.gathered import gathered
 from gripper.statics.holds import coefficient, grip_of, leaders, overdue, ratio_rate, regripped, slip_rates, tangent
 from gripper.statics.verified import Verified, untouched, verify
 
-_FINE = 1e-2  # of L: shorter steps are not cut for their balance
+_FINE = 1e-2  # of L: shorter steps are not cut for holds that may change and change back
+_FINEST = 1e-3  # of L: shorter ones are not cut for their balance
 _CHANGING = 0.01  # of L: the longest step in which a patch comes or goes, or that ends free of the object
 _BEYOND = 1.5  # of the way to where a contact starts to slip, by the tangent
 _LEAST = 1e-4  # of a step
@@ -131,8 +131,8 @@ class FrictionTracker(Tracker):
             return gathered(self.setting, obstacle, self.current.equilibrium.state, guess, self.order)
 
     def _coarse(self, found: Verified, following: float) -> bool:
-        """Whether a hold may change and change back within the step, or its work does not balance."""
-        old, new, way = self.current.equilibrium, found.equilibrium, following - self.parameter
+        """Whether a hold may change and change back within the step."""
+        old, new = self.current.equilibrium, found.equilibrium
         travel = self._travel(self.parameter, following)
         if holds(old) != holds(new):
             spread = any(site.spreads for site in (*old.state.sites, *new.state.sites))
@@ -141,19 +141,21 @@ class FrictionTracker(Tracker):
             return False
         start = self.ledger.pace(Along(self.parameter, old), self.heading)
         stop = self.ledger.pace(Along(following, new), self.heading)
-        step = booked(Balance(), start, stop, way)
-        stored = new.stored - old.stored
-        if abs(step.imbalance(Balance(), stored)) > BALANCED * (abs(stored) + step.loss):
-            return True
-        return dips(start, stop, way)
+        return dips(start, stop, following - self.parameter)
 
-    def _accept(self, following: float, found: Verified) -> None:
-        """Go on, and book work and dissipation."""
-        before, known = Along(self.parameter, self.current.equilibrium), len(self.changes)
-        super()._accept(following, found)
-        kinds = ("touch", "change", "release")
-        broken = [change.within(before.parameter, following) for change in self.changes[known:] if change.kind in kinds]
-        self.ledger.book(before, Along(following, found.equilibrium), broken, self.heading, self.order)
+    def _book(self, before: Along, after: Along, broken: list[float]) -> None:
+        """Book work and dissipation of a step, unless it is too long for that.
+
+        Raises
+        ------
+        NoEquilibriumError
+            Where the books do not balance, on a step that is worth cutting.
+        """
+        entry = self.ledger.drawn_up(before, after, broken, self.heading, self.order)
+        if entry.off > BALANCED and self._travel(before.parameter, after.parameter) > _FINEST:
+            raise NoEquilibriumError("the work of a step is neither stored nor lost")
+        self.ledger.enter(entry)
+        super()._book(before, after, broken)
 
     def _meet(self, following: float) -> None:
         """The finger is free: go on to the first touch, and decide there how it holds."""

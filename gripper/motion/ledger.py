@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,6 +18,25 @@ _ASIDE = 2e-4  # of L
 _KEPT = 3  # paces: of a step's ends, and of one that was too long
 
 Part = tuple[float, Pace, float, Pace]
+
+
+@dataclass(frozen=True)
+class Entry:
+    """What a step brings.
+
+    Parameters
+    ----------
+    balance
+        Behind it.
+    peaks
+        Its largest forces.
+    off
+        What is missing of its energies, relative to them.
+    """
+
+    balance: Balance
+    peaks: tuple[Peak, ...]
+    off: float
 
 
 class Ledger:
@@ -55,8 +74,8 @@ class Ledger:
         self._known = [*self._known[1 - _KEPT :], (at, heading, found)]
         return found
 
-    def book(self, before: Along, after: Along, broken: list[float], heading: float, order: int) -> None:
-        """Take in a step, and where contacts changed on it, in the order in which they did.
+    def drawn_up(self, before: Along, after: Along, broken: list[float], heading: float, order: int) -> Entry:
+        """What is to be booked of a step, and where contacts changed on it, in the order in which they did.
 
         Raises
         ------
@@ -69,12 +88,22 @@ class Ledger:
             first = self._side(broken[0], before, start, heading, order)
             last = self._side(broken[-1], after, stop, heading, order)
             parts = [(before.parameter, start, broken[0], first), (broken[-1], last, after.parameter, stop)]
+        balance, peaks = self.balance, []
         for begin, one, end, other in parts:
-            following = booked(self.balance, one, other, end - begin)
+            following = booked(balance, one, other, end - begin)
             if not broken:
                 following = self._checked(following, before, after, (one, other))
-            self.balance = following
-            self._note(Peak.of(begin, one, end, other, before if begin == before.parameter else after))
+            balance = following
+            peaks.append(Peak.of(begin, one, end, other, before if begin == before.parameter else after))
+        stored = after.equilibrium.stored - before.equilibrium.stored
+        size = abs(stored) + balance.loss - self.balance.loss
+        return Entry(balance, tuple(peaks), abs(balance.imbalance(self.balance, stored)) / (size or 1.0))
+
+    def enter(self, entry: Entry) -> None:
+        """Take a step in."""
+        self.balance = entry.balance
+        for peak in entry.peaks:
+            self._note(peak)
 
     def _checked(self, following: Balance, before: Along, after: Along, paces: tuple[Pace, Pace]) -> Balance:
         """The balance after a step; without the paces' rates where these are off.

@@ -222,13 +222,16 @@ class Tracker:
         """Take a step, once what changed on it is located: this proves that it stays on its branch."""
         before, after = self.here, Along(following, found.equilibrium)
         changed = self._changes(before, after) if self.events or self.sites else []
+        self._book(before, after, [c.within(before.parameter, following) for c in changed if c.kind != "snap"])
         self.iterations += found.equilibrium.iterations
         self.trail.step(before, after, changed=bool(changed))
         self.parameter, self.current = following, found
         if self.events:
             self.changes += changed
+
+    def _book(self, before: Along, after: Along, broken: list[float]) -> None:
+        """Take in a step that is about to be taken, and where contacts change on it."""
         if self.watch:
-            broken = [change.within(before.parameter, following) for change in changed if change.kind != "snap"]
             self.watch.note(before, after, broken, self.order)
 
     def _changes(self, before: Along, after: Along) -> list[Change]:
