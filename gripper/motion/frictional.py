@@ -203,11 +203,16 @@ class FrictionTracker(Tracker):
         self._snaps += 1
         if self._snaps > _MOST:
             raise NoEquilibriumError(f"the finger snaps again and again: {error}") from error
-        before = Along(self.parameter, equilibrium)
+        before, start = Along(self.parameter, equilibrium), self.current
         super()._snap(following, error)
-        if self.sites:
-            self.current = self._decided(self.current)
-        self.ledger.fall(before, Along(self.parameter, self.current.equilibrium), self.heading)
+        try:
+            if self.sites:
+                self.current = self._decided(self.current)
+            self.ledger.fall(before, Along(self.parameter, self.current.equilibrium), self.heading)
+        except NoEquilibriumError:
+            self.parameter, self.current = before.parameter, start
+            self.changes.pop()
+            raise
 
     def advance(self, target: float) -> Answer:
         """Follow the path to a value of its parameter.

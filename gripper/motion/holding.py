@@ -8,7 +8,18 @@ from scipy.optimize import brentq
 from gripper.motion.branch import SHARP, STILL, Along, Branch, Path, speed
 from gripper.motion.locking import check_locked
 from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting
-from gripper.statics.holds import coefficient, grip_of, leaders, margin, ratio_rate, regripped, slip_rates, tangent
+from gripper.statics.gathered import gathered
+from gripper.statics.holds import (
+    coefficient,
+    grip_of,
+    leaders,
+    margin,
+    overdue,
+    ratio_rate,
+    regripped,
+    slip_rates,
+    tangent,
+)
 from gripper.statics.verified import Verified, verify
 
 _MOST = 8  # contacts that are decided one after the other
@@ -53,9 +64,14 @@ def _first_hold(setting: Setting, equilibrium: Equilibrium, i: int, heading: flo
 def _slipping(
     setting: Setting, equilibrium: Equilibrium, i: int, sense: int, heading: float, order: int
 ) -> Equilibrium | None:
+    """Slip with a sense, if it goes on that way; friction may bring other contacts, and let some go."""
     try:
         found = regripped(setting, equilibrium, i, sense, order)
-        verify(setting, found)
+        try:
+            found = verify(setting, found).equilibrium
+        except NoEquilibriumError:
+            found = gathered(setting, equilibrium.obstacle, found.state, found.state, order).equilibrium
+            return found if not overdue(found, heading) else None
         return found if slip_rates(found)[i] * heading * sense > 0 else None
     except NoEquilibriumError:
         return None

@@ -15,7 +15,7 @@ from gripper.contact.site import Site
 from gripper.statics.active import held
 from gripper.statics.candidates import resolved, violated
 from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, State
-from gripper.statics.problem import Problem
+from gripper.statics.problem import Candidate, Problem
 from gripper.statics.settling import settle_contacts
 from gripper.statics.verified import PULL, Verified, verify
 
@@ -41,6 +41,7 @@ def gathered(setting: Setting, obstacle: Obstacle, start: State, guess: State, o
     NoEquilibriumError
         Where none is found that verifies.
     """
+    known: tuple[Candidate, ...] = ()
     for _ in range(_ROUNDS):
         equilibrium = settle_contacts(setting, obstacle, guess, order)
         state = equilibrium.state
@@ -49,21 +50,25 @@ def gathered(setting: Setting, obstacle: Obstacle, start: State, guess: State, o
         if not any(keep):
             raise NoEquilibriumError("no contact presses")
         if not all(keep):
-            guess = state.keeping(keep)
+            guess = held(setting, obstacle, start, state.keeping(keep))  # what carries on in its place holds as it did
             continue
-        come = _penetrated(setting, equilibrium)
+        candidate, come = _penetrated(setting, equilibrium, known)
         if come is None:
             return verify(setting, equilibrium)
+        known += candidate
         sites = (*state.sites, replace(come, grip=None))
         guess = held(setting, obstacle, start, State(state.beam, state.z, sites, np.append(state.multipliers, 0.0)))
     raise NoEquilibriumError("the contacts come and go without end")
 
 
-def _penetrated(setting: Setting, equilibrium: Equilibrium) -> Site | None:
-    """Where the object lies deepest in the finger, if it does."""
-    candidates = violated(setting, equilibrium.obstacle, equilibrium.state, ())
+def _penetrated(
+    setting: Setting, equilibrium: Equilibrium, known: tuple[Candidate, ...]
+) -> tuple[tuple[Candidate, ...], Site | None]:
+    """Where the object lies deepest in the finger, if it does; a corner that did not stay leaves that to its side."""
+    candidates = violated(setting, equilibrium.obstacle, equilibrium.state, known)
     if not candidates:
-        return None
+        return (), None
     problem = Problem(setting, equilibrium.obstacle, equilibrium.state, candidates)
     deepest = int(np.argmin(problem.gaps(problem.x0)))
-    return resolved(setting, problem.sites(problem.x0)[deepest])
+    site = resolved(setting, problem.sites(problem.x0)[deepest])
+    return tuple(c for c in candidates[deepest : deepest + 1] if c.kind == "vertex"), site
