@@ -11,7 +11,8 @@ from scipy.optimize import brentq
 
 from gripper.contact.features import Feature, features
 from gripper.contact.linear import linearise
-from gripper.contact.obstacle import Frame
+from gripper.contact.obstacle import Frame, Obstacle
+from gripper.motion.pinned import Pin, pinned
 from gripper.statics.certificate import survey
 from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, State
 from gripper.statics.newton import settle
@@ -72,7 +73,7 @@ class Branch:
             return start.equilibrium
         guess = predicted(self.setting, start.equilibrium, parameter - start.parameter)
         expected = float(np.linalg.norm(guess.z - start.equilibrium.state.z))
-        found = settle(self.setting, self.setting.obstacle(self.path.frame(parameter)), guess, self.order)
+        found = settle(self.setting, self._obstacle(parameter), guess, self.order)
         if found.correction > _DEPARTS * expected + APART:
             if not halvings:
                 raise NoEquilibriumError("the step departs from its prediction")
@@ -80,6 +81,21 @@ class Branch:
             return self._reached(parameter, halvings - 1)
         self.known.append(Along(parameter, found))
         return found
+
+    def pinned(self, start: float, pin: Pin, ends: tuple[float, float]) -> float | None:
+        """Where an unknown has a given value, from the equilibrium at a parameter; None where Newton does not say."""
+        try:
+            known = self.at(start)
+            where, found, expected = pinned(self.setting, self._obstacle, (start, known), pin, ends)
+        except NoEquilibriumError:
+            return None
+        if found.correction > _DEPARTS * expected + APART:
+            return None
+        self.known.append(Along(where, found))
+        return where
+
+    def _obstacle(self, parameter: float) -> Obstacle:
+        return self.setting.obstacle(self.path.frame(parameter))
 
 
 def speed(equilibrium: Equilibrium) -> float:
@@ -198,7 +214,11 @@ def let_go(branch: Branch, i: int, start: float, stop: float) -> float | None:
     """Where a contact's multiplier vanishes, by Newton's method on its rate; None where that leaves the step."""
     at, way = start, stop - start
     late = max(1.0, _LATE / (speed(branch.known[0].equilibrium) * abs(way) + STILL))
-    for _ in range(_ROUNDS):
+    row = _row(branch.known[0].equilibrium, i)
+    where = branch.pinned(start, Pin(row, 0.0), (start, stop + late * way))
+    if where is not None:
+        return where
+    for _ in range(_ROUNDS):  # where the equations are all but singular: equilibrium by equilibrium
         try:
             equilibrium = branch.at(at)
             rate = float(equilibrium.tangent()[1][_row(equilibrium, i)])

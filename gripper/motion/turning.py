@@ -10,6 +10,7 @@ from gripper.arrays import Complex
 from gripper.contact.features import Feature
 from gripper.contact.site import Site
 from gripper.motion.branch import SHARP, Along, Branch, Path, bracketed, joined, number, released
+from gripper.motion.pinned import Pin
 from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting
 from gripper.statics.nearby import vertex_height
 from gripper.statics.rolling import corners_along, strongest_alone
@@ -71,7 +72,11 @@ def _departed(
     far = min(abs(distant - end) for end in setting.outline.ends(pair[1][1])) < _MEETING
     branch, at, short = Branch(setting, path, known, order), known.parameter, _SHORT
     stop, way = other.parameter, other.parameter - known.parameter
-    for _ in range(_STEPS):
+    pin = _at_end(setting, known.equilibrium, i, far)
+    where = branch.pinned(at, pin, (at, stop + _OVERSHOT * way)) if pin else None
+    if where is not None:
+        return joined(setting, path, Along(where, branch.at(where)), other, order)
+    for _ in range(_STEPS):  # where the equations are all but singular: equilibrium by equilibrium
         ahead, rate = _from_end(setting, branch.at(at), i, far)
         step = -ahead / rate * short if rate else way
         if abs(step) <= SHARP * abs(way):
@@ -86,6 +91,17 @@ def _departed(
         except NoEquilibriumError:
             short /= 2
     raise NoEquilibriumError("a contact does not reach the end of its face or edge")
+
+
+def _at_end(setting: Setting, equilibrium: Equilibrium, i: int, far: bool) -> Pin | None:
+    """A contact's place at an end of its piece, the far one or the near one; None where that end is there already."""
+    state = equilibrium.state
+    site, first = state.sites[i], state.multipliers.size + sum(site.unknowns for site in state.sites[:i])
+    if not far:
+        return Pin(first, 0.0)
+    if site.unknown_places < len(site.place):
+        return None
+    return Pin(first + site.unknown_places - 1, setting.outline.pieces[site.piece].length)
 
 
 def _from_end(setting: Setting, equilibrium: Equilibrium, i: int, far: bool) -> tuple[float, float]:
