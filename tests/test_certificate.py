@@ -16,8 +16,9 @@ from gripper.assemble import setting
 from gripper.beam.axis import Axis
 from gripper.beam.strains import Beam
 from gripper.contact.obstacle import Frame, Obstacle
-from gripper.statics.certificate import DEPTH, Survey, survey
+from gripper.statics.certificate import Survey, survey
 from gripper.statics.equilibrium import Setting, State
+from gripper.statics.sampling import DEPTH
 from gripper_plugins.objects.circle import Circle
 from gripper_plugins.objects.ellipse import Ellipse
 from gripper_plugins.objects.implicit import Implicit

@@ -13,9 +13,9 @@ from gripper.contact.obstacle import Frame
 from gripper.contact.site import Site
 from gripper.motion.branch import Path
 from gripper.statics.acting import Acting
-from gripper.statics.certificate import DEPTH
 from gripper.statics.clearance import clearance
 from gripper.statics.equilibrium import NoEquilibriumError, Setting, State
+from gripper.statics.sampling import DEPTH
 from gripper.statics.verified import Verified
 
 ON_CLAMP = "the object lies on the clamp"

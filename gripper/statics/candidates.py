@@ -11,11 +11,12 @@ from gripper.arrays import Array
 from gripper.contact.obstacle import Obstacle
 from gripper.contact.outline import LOWER, UPPER
 from gripper.contact.site import NARROW, Site
-from gripper.statics.certificate import DEPTH, Survey, survey
+from gripper.statics.certificate import Survey, survey
 from gripper.statics.equilibrium import Setting, State
 from gripper.statics.nearby import vertex_heights
 from gripper.statics.patches import DECAYED, FLUSH, PATCH, decay_length, flat_until, lies_flat, pressure_modes, spread
 from gripper.statics.problem import Candidate, Problem
+from gripper.statics.sampling import DEPTH
 from gripper.statics.verified import NOTHING
 
 _STRETCH = 0.05  # of L: half of a stretch about a penetration

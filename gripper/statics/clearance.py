@@ -11,8 +11,8 @@ from gripper.contact.obstacle import Obstacle
 from gripper.contact.outline import dot
 from gripper.objects import Object
 from gripper.objects.compiled import PerInstance
-from gripper.statics.certificate import Pieces, first_look
 from gripper.statics.equilibrium import Setting
+from gripper.statics.sampling import Pieces, first_look
 from gripper.statics.verified import Verified
 
 _FEET = 60  # six do; many where g is far from a parabola

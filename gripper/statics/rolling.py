@@ -19,10 +19,10 @@ from gripper.contact.features import neighbours
 from gripper.contact.obstacle import Obstacle
 from gripper.contact.outline import dot, outward
 from gripper.contact.site import Site, corners_of
-from gripper.statics.certificate import DEPTH
 from gripper.statics.equilibrium import Equilibrium, Setting, State
 from gripper.statics.newton import settle
 from gripper.statics.patches import DECAYED, decay_length, pressure_modes, spread
+from gripper.statics.sampling import DEPTH
 
 NEAR = 0.15
 """Of L: how far along a face an object rolls in a step."""
