@@ -58,12 +58,23 @@ def model(scene: Scene, fixed: Setting, poses: Sequence[PoseResult], peak: Extre
     return Model(theory=fixed.theory, left_out=left_out(scene, fixed.theory), not_modelled=notes, warnings=beyond)
 
 
-def numbers(scene: Scene, fixed: Setting, answer: Answer, parameter: float | None, placement: Placement) -> PoseResult:
-    """The plain numbers of a pose, in the scene's model of friction."""
-    pose = pose_result(fixed, answer, parameter, placement)
+def numbers(
+    scene: Scene,
+    fixed: Setting,
+    answer: Answer,
+    parameter: float | None,
+    placement: Placement,
+    *,
+    measured: bool = True,
+) -> PoseResult:
+    """The plain numbers of a pose, in the scene's model of friction.
+
+    Where not ``measured``, the distance of a finger without contacts from its object is left to be found.
+    """
+    pose = pose_result(fixed, answer, parameter, placement, measured=measured)
     if scene.theory == "auto" and pose.status != "failed":
         change = theory_difference(fixed, answer.verified.equilibrium)
-        pose = replace(pose, error=replace(pose.error, next_theory=change))
+        pose = pose.but(error=pose.error.but(next_theory=change))
     if scene.friction is None or not scene.friction.published:
         return pose
     from gripper.contact.law import Law
@@ -135,4 +146,4 @@ def _posed(scene: Scene, fixed: Setting) -> PoseResult:
         pose = PoseResult(parameter=None, status="locked", reason=str(error))
     except NoEquilibriumError as error:
         pose = PoseResult.failed(None, str(error))
-    return replace(pose, seconds=time.process_time() - began)
+    return pose.but(seconds=time.process_time() - began)

@@ -21,8 +21,10 @@ from gripper.results.extremes import Extreme, Extremes
 from gripper.results.loop import Loop
 from gripper.scene import Scene
 from gripper.solve import model, numbers
+from gripper.statics.clearance import clearances
 from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, reckoned
 from gripper.statics.ladder import rungs, suffices
+from gripper.statics.verified import Verified
 
 INTERRUPTED = "interrupted"
 """Reason of the poses that an interruption left without an answer."""
@@ -114,6 +116,8 @@ class _Follower:
         self.order = first_order(scene.tolerance)
         self.watch = Watch(fixed, kinematics, measures(scene, fixed))
         self.locked: Extreme | None = None
+        self._done = 0
+        self._apart: dict[int, Verified] = {}  # free poses whose distance from the object is still to be found
         self._ways = iter(ways(scene.motion.values if scene.motion else ()))
 
     @property
@@ -124,6 +128,7 @@ class _Follower:
 
     def result(self, poses: list[PoseResult]) -> Result:
         """The motion so far, with these poses."""
+        poses = self.measured(poses)
         loop, peaks = self.tracker.loop() if self.tracker else (None, [])
         extremes = self.extremes(poses, loop, peaks)
         return Result(
@@ -136,8 +141,21 @@ class _Follower:
             extremes=extremes,
         )
 
+    def measured(self, poses: Sequence[PoseResult]) -> list[PoseResult]:
+        """The motion's poses so far, with the distances from the object of those that are free: found together."""
+        began, out = time.process_time(), list(poses)
+        length = self.fixed.sections.length
+        found = dict(zip(self._apart, clearances(self.fixed, list(self._apart.values())), strict=True))
+        each = (time.process_time() - began) / max(len(found), 1)
+        for i, distance in found.items():
+            if out[i].status == "failed":  # interrupted before it was done
+                continue
+            out[i] = out[i].but(min_gap=distance * length, seconds=out[i].seconds + each)
+        self._apart.clear()
+        return out
+
     def pose(self, value: float) -> PoseResult:
-        """The result at the next value of the parameter."""
+        """The result at the next value of the parameter; :meth:`measured` completes a free one."""
         began = time.process_time()
         self.watch.leg, self.watch.heading = next(self._ways)
         try:
@@ -151,7 +169,8 @@ class _Follower:
             iterations = self.tracker.iterations if self.tracker else 0
             pose = PoseResult.failed(value, str(error), iterations)
         pose = self.tracker.account(pose) if self.tracker else pose
-        return replace(pose, seconds=time.process_time() - began)
+        self._done += 1
+        return pose.but(seconds=time.process_time() - began)
 
     def _reached(self, value: float) -> PoseResult:
         """The numbers at the next value."""
@@ -160,7 +179,10 @@ class _Follower:
             self.tracker.watch = self.watch
         answer = self.tracker.advance(value)
         self.watch.stand(Along(value, answer.verified.equilibrium))
-        return numbers(self.scene, self.fixed, answer, value, self.kinematics.placement(value))
+        pose = numbers(self.scene, self.fixed, answer, value, self.kinematics.placement(value), measured=False)
+        if pose.status != "failed" and pose.min_gap is None:
+            self._apart[self._done] = answer.verified
+        return pose
 
     def _if_free(self, value: float) -> tuple[str, ...]:
         """Where friction holds the finger: whether it might be free as well."""

@@ -93,10 +93,11 @@ def follow(scene: gr.Scene) -> Iterator[Solved]:
     """What `gripper.trace` does, with the equilibrium of each pose."""
     fixed = setting(scene)
     follower = _Follower(scene, fixed, Kinematics(scene, fixed.sections.length))
+    poses: list[gr.PoseResult] = []
     for value in scene.motion.values:
-        result = follower.pose(value)
-        known = result.status != "failed"
-        yield Solved(result, fixed, follower.tracker.current.equilibrium if known else None)
+        poses = follower.measured([*poses, follower.pose(value)])
+        known = poses[-1].status != "failed"
+        yield Solved(poses[-1], fixed, follower.tracker.current.equilibrium if known else None)
 
 
 def still(scene: gr.Scene) -> gr.Scene:

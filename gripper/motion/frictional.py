@@ -235,8 +235,8 @@ class FrictionTracker(Tracker):
             return pose
         unit, balance = self.setting.sections.energy_scale, self.ledger.balance
         others = other_solutions(self.setting, self.current.equilibrium, self.heading)
-        checks = replace(pose.checks, other_solutions=others)
-        return replace(pose, work=balance.work * unit, dissipation=balance.loss * unit, checks=checks)
+        checks = pose.checks.but(other_solutions=others)
+        return pose.but(work=balance.work * unit, dissipation=balance.loss * unit, checks=checks)
 
     def loop(self) -> tuple[Loop | None, list[Equilibrium | None]]:
         """The loop so far, and the equilibria at its peaks, where they are known; None without contact."""

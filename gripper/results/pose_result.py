@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
-import functools
 import math
-from typing import Any, Literal
+from collections.abc import Mapping
+from typing import Any, Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,6 +16,7 @@ Vector = tuple[float, float]
 _FIRST = ("parameter", "status", "reason")
 _WHERE_THERE = ("work", "dissipation", "load_energy", "loads")
 _OF_FRICTION = ("singularity", "other_solutions")
+_AS_THEY_ARE = (str, int, bool, type(None))
 Status = Literal["free", "contact", "locked", "failed"]
 
 
@@ -34,25 +35,29 @@ def plain(value: Any) -> Any:
     return tuple(plain(item) for item in value) if isinstance(value, (list, tuple)) else value
 
 
-@functools.cache
-def _names(kind: Any) -> tuple[str, ...]:
-    """Names of a record's fields."""
-    return tuple(field.name for field in dataclasses.fields(kind))
-
-
 class Record:
     """A frozen record of finite plain numbers."""
 
     def __post_init__(self) -> None:
-        kind: Any = type(self)
-        for name in _names(kind):
-            given = getattr(self, name)
-            if given is None or isinstance(given, (str, Record)):
+        self._settle(self.__dict__)
+
+    def _settle(self, values: Mapping[str, Any]) -> None:
+        """Check some of its values, and keep them as plain data."""
+        for name, given in values.items():
+            kind = type(given)
+            if kind in _AS_THEY_ARE or (kind is float and math.isfinite(given)) or isinstance(given, Record):
                 continue
             value = plain(given)
             _check_finite(name, value)
             if value is not given:
                 object.__setattr__(self, name, value)
+
+    def but(self, **values: Any) -> Self:
+        """The same record with other values of some fields: only these are checked."""
+        other = object.__new__(type(self))
+        other.__dict__.update(self.__dict__, **values)
+        other._settle(values)
+        return other
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -47,8 +47,14 @@ class Answer:
     iterations: int
 
 
-def pose_result(setting: Setting, answer: Answer, parameter: float | None, placement: Placement) -> PoseResult:
-    """The plain numbers of a pose; failed where a check is not met."""
+def pose_result(
+    setting: Setting, answer: Answer, parameter: float | None, placement: Placement, *, measured: bool = True
+) -> PoseResult:
+    """The plain numbers of a pose; failed where a check is not met.
+
+    Where not ``measured``, the distance of a finger without contacts from its object (None) is left for
+    :func:`gripper.statics.clearance.clearances`, which finds those of many poses together.
+    """
     seen = profile(setting, answer.verified.equilibrium.state)
     checks = checked(setting, answer.verified, seen)
     reason = (
@@ -79,7 +85,7 @@ def pose_result(setting: Setting, answer: Answer, parameter: float | None, place
         tip_rotation=float(seen.psi[tip]),
         max_strain=strain,
         max_strain_s=None if free and not strain else strain_s * scales.length,
-        min_gap=clearance(setting, answer.verified) * scales.length,
+        min_gap=clearance(setting, answer.verified) * scales.length if measured or state.sites else None,
         contacts=() if free else contacts(setting, equilibrium, placement),
         loads=applied(equilibrium, placement, scales),
         checks=checks,

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from gripper.arrays import Array, Complex
-from gripper.contact.obstacle import Obstacle
+from gripper.arrays import Array, Complex, Index
+from gripper.contact.obstacle import Frame, Obstacle
 from gripper.contact.outline import dot
 from gripper.objects import Object
 from gripper.objects.compiled import PerInstance
-from gripper.statics.equilibrium import Setting
+from gripper.statics.equilibrium import Setting, State
 from gripper.statics.sampling import Pieces, first_look
 from gripper.statics.verified import Verified
 
@@ -25,18 +26,33 @@ _ARRIVED = (
 )
 _NEARER = 40  # steps to the least distance between two samples: three do where finger and object are smooth
 _SETTLED = 1e-10  # of L: what the last of them would still gain
+_STILL = Frame(0j, 0.0, 0j, 0.0)
+_AT_ONCE = 64  # poses: some megabytes
 _WIDER = 2.0  # g / |grad g| may be off a distance by this much: samples within it are looked at
 
 
 def clearance(setting: Setting, verified: Verified) -> float:
     """Smallest distance of outline and object, by L; negative: depth."""
-    survey, lin = verified.survey, verified.equilibrium.linear
-    if lin.points:
-        touching = float(np.max(np.abs(lin.values), initial=0.0))
-        return min(survey.min_gap, touching)
-    if survey.min_gap < 0:
-        return survey.min_gap
-    return _distance(setting, verified)
+    return clearances(setting, [verified])[0]
+
+
+def clearances(setting: Setting, poses: Sequence[Verified]) -> list[float]:
+    """Those of several poses of one motion, by L: where the finger stays as it is, all are found in one go."""
+    found, apart = [0.0] * len(poses), dict[int, list[int]]()
+    for i, verified in enumerate(poses):
+        survey, lin = verified.survey, verified.equilibrium.linear
+        if lin.points:
+            found[i] = min(survey.min_gap, float(np.max(np.abs(lin.values), initial=0.0)))
+        elif survey.min_gap < 0:
+            found[i] = survey.min_gap
+        else:
+            apart.setdefault(id(verified.equilibrium.state), []).append(i)
+    for alike in apart.values():
+        for first in range(0, len(alike), _AT_ONCE):
+            some = alike[first : first + _AT_ONCE]
+            for i, distance in zip(some, _distances(setting, [poses[i] for i in some]).tolist(), strict=True):
+                found[i] = distance
+    return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,43 +139,87 @@ def _past_corners(obstacle: Obstacle, points: Complex, feet: Feet) -> Feet:
     return feet
 
 
-def _distance(setting: Setting, verified: Verified) -> float:
-    """The least distance over the sampled outline, and between samples where it may be less."""
-    state, obstacle, survey = verified.equilibrium.state, verified.equilibrium.obstacle, verified.survey
-    seen = first_look(setting, state)
-    spacing = seen.pieces.u1 - seen.pieces.u0
-    rough = survey.depths.min(axis=0)
-    close = np.flatnonzero(rough <= _WIDER * rough.min() + spacing)  # a small object lies between two samples
-    samples, where = np.unique(seen.ends[:, close], return_inverse=True)
-    points, tangents = seen.points[samples], seen.tangents[samples]
-    feet = feet_of(obstacle, points, beside(obstacle, points))
-    least = float(feet.distances.min())
+@dataclass(frozen=True, eq=False)
+class _Views:
+    """A finger as its object sees it from several poses: from points of the clamp's frame to points of the object's."""
+
+    origins: Complex  # of the object, (m,)
+    turns: Complex  # from the clamp's axes to the object's, (m,)
+
+    @classmethod
+    def of(cls, poses: Sequence[Verified]) -> _Views:
+        """Those of some poses."""
+        frames = [verified.equilibrium.obstacle.frame for verified in poses]
+        turns = np.exp([-1j * frame.angle for frame in frames])
+        return cls(np.array([frame.origin for frame in frames]), turns)
+
+    def take(self, which: Index) -> _Views:
+        """Those of some poses, (k,)."""
+        return _Views(self.origins[which], self.turns[which])
+
+    def points(self, points: Complex) -> Complex:
+        """Points (..., m) of the clamp's frame, each seen from its pose."""
+        return (points - self.origins) * self.turns
+
+
+def _distances(setting: Setting, poses: Sequence[Verified]) -> Array:
+    """The least distances of one deflected finger, which touches nothing, at several poses of the object, (m,).
+
+    They are least over the sampled outline, and between samples where they may be less.
+    """
+    state = poses[0].equilibrium.state
+    seen, views, still = first_look(setting, state), _Views.of(poses), setting.obstacle(_STILL)
+    depths = np.array([verified.survey.depths for verified in poses]).min(axis=1)
+    # a small object lies between two samples
+    pose, close = np.nonzero(depths <= _WIDER * depths.min(axis=1)[:, None] + seen.lengths)
+    samples, where = np.unique(pose * seen.points.size + seen.ends[:, close], return_inverse=True)
+    sampled, sample = np.divmod(samples, seen.points.size)
+    from_there = views.take(sampled)
+    points, tangents = from_there.points(seen.points[sample]), seen.tangents[sample] * from_there.turns
+    feet = feet_of(still, points, beside(still, points))
+    least = np.full(len(poses), np.inf)
+    np.minimum.at(least, sampled, feet.distances)
     first, last = where.reshape(2, -1)
     slopes, speeds = dot(feet.outward, tangents), np.abs(tangents)
-    arc = spacing[close] * np.maximum(speeds[first], speeds[last])
+    spacing = seen.lengths[close]
+    arc = spacing * np.maximum(speeds[first], speeds[last])
     lower = (feet.distances[first] + feet.distances[last] - arc) / 2
-    turning = np.flatnonzero((slopes[first] < 0) & (slopes[last] > 0) & (lower < least))
+    turning = np.flatnonzero((slopes[first] < 0) & (slopes[last] > 0) & (lower < least[pose]))
     if not turning.size:
         return least
-    first, last = first[turning], last[turning]
+    pose, first, last = pose[turning], first[turning], last[turning]
     start = np.where(feet.distances[first] < feet.distances[last], first, last)
-    stretches = seen.pieces.take(close[turning])
-    bent = (tangents[last] - tangents[first]) / spacing[close[turning]]
-    falls, rises = slopes[first], slopes[last]
-    return min(least, _between(setting, verified, stretches, (falls, rises), feet.places[start], bent))
+    stretches = _Stretches(seen.pieces.take(close[turning]), views.take(pose))
+    bent = (tangents[last] - tangents[first]) / spacing[turning]
+    ends = slopes[first], slopes[last]
+    np.minimum.at(least, pose, _between(setting, state, stretches, ends, feet.places[start], bent))
+    return least
+
+
+@dataclass(frozen=True, eq=False)
+class _Stretches:
+    """Stretches of outline, each with the pose that it is seen from, (k,)."""
+
+    pieces: Pieces
+    views: _Views
+
+    def at(self, setting: Setting, state: State, u: Array) -> tuple[Complex, Complex]:
+        """Points and tangents at u (k,), as the object sees them."""
+        points, tangents, _ = setting.outline.trace(state.axis, self.pieces.piece, u, self.pieces.segment)
+        return self.views.points(points), tangents * self.views.turns
 
 
 def _between(
-    setting: Setting, verified: Verified, stretches: Pieces, ends: tuple[Array, Array], foot: Complex, bent: Complex
-) -> float:
-    """The least distance on stretches of outline where it has a minimum: Newton's method, kept within.
+    setting: Setting, state: State, stretches: _Stretches, ends: tuple[Array, Array], foot: Complex, bent: Complex
+) -> Array:
+    """The least distances on stretches of outline where they have a minimum, (k,): Newton's method, kept within.
 
     Parameters
     ----------
-    setting, verified
-        The finger and its equilibrium.
+    setting, state
+        The finger.
     stretches
-        Of the outline, (k,).
+        Of its outline, (k,).
     ends
         The distance's slope where each starts, where it falls, and where it stops, (k,) both.
     foot
@@ -167,13 +227,13 @@ def _between(
     bent
         The outline's second derivatives there, roughly, (k,).
     """
-    state, obstacle = verified.equilibrium.state, verified.equilibrium.obstacle
-    low, high, (falls, rises) = stretches.u0, stretches.u1, ends
-    u, least = low + (high - low) * falls / (falls - rises), np.inf
+    still = setting.obstacle(_STILL)
+    low, high, (falls, rises) = stretches.pieces.u0, stretches.pieces.u1, ends
+    u, least = low + (high - low) * falls / (falls - rises), np.full(foot.size, np.inf)
     for step in range(_NEARER):
-        points, tangents, _ = setting.outline.trace(state.axis, stretches.piece, u, stretches.segment)
-        feet = feet_of(obstacle, points, foot)
-        foot, least = feet.places, min(least, float(feet.distances.min()))
+        points, tangents = stretches.at(setting, state, u)
+        feet = feet_of(still, points, foot)
+        foot, least = feet.places, np.minimum(least, feet.distances)
         slope = dot(feet.outward, tangents)
         # the second derivative of the distance along a straight outline, taken along all of c' as where d is a cone
         rise = feet.bends * np.abs(tangents) ** 2 + dot(feet.outward, bent)
