@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Protocol
@@ -39,6 +40,10 @@ class Path(Protocol):
 
     def frame(self, parameter: float) -> Frame:
         """The object's frame relative to the clamp."""
+        ...
+
+    def __hash__(self) -> int:
+        """By identity: what was reached on it is kept."""
         ...
 
 
@@ -98,6 +103,16 @@ class Branch:
         return self.setting.obstacle(self.path.frame(parameter))
 
 
+def branch_from(setting: Setting, path: Path, known: Along, order: int) -> Branch:
+    """The branch of a known equilibrium, with all that was reached on it: an event is asked for again and again."""
+    return _branch(setting, path, known.equilibrium, known.parameter, order)
+
+
+@functools.lru_cache(maxsize=64)  # those of a motion's events, until its extremes are located at its end
+def _branch(setting: Setting, path: Path, equilibrium: Equilibrium, parameter: float, order: int) -> Branch:
+    return Branch(setting, path, Along(parameter, equilibrium), order)
+
+
 def speed(equilibrium: Equilibrium) -> float:
     """How fast object and clamp move against each other, by L per unit of the parameter."""
     frame = equilibrium.obstacle.frame
@@ -136,6 +151,7 @@ def pointed(setting: Setting, equilibrium: Equilibrium, order: int) -> Equilibri
     return equilibrium
 
 
+@functools.lru_cache(maxsize=16)
 def _pointed(setting: Setting, equilibrium: Equilibrium, i: int, order: int) -> Equilibrium:
     """A patch shrinks to a point before it lets go: followed as a point, which may pull beyond the event."""
     site = equilibrium.state.sites[i]
@@ -156,7 +172,7 @@ def joined(setting: Setting, path: Path, there: Along, known: Along, order: int,
     NoEquilibriumError
         Where they do not meet: the step leads to another branch.
     """
-    other = Branch(setting, path, known, order).at(there.parameter)
+    other = branch_from(setting, path, known, order).at(there.parameter)
     if distance(there.equilibrium.state, other.state) > apart:
         raise NoEquilibriumError("the step leads to another branch")
     return there.parameter
@@ -200,7 +216,9 @@ def released(setting: Setting, path: Path, known: Along, other: Along, feature: 
         Where it does not, or where something else has touched before.
     """
     i = number(known, feature)
-    branch = Branch(setting, path, replace(known, equilibrium=_pointed(setting, known.equilibrium, i, order)), order)
+    branch = branch_from(
+        setting, path, replace(known, equilibrium=_pointed(setting, known.equilibrium, i, order)), order
+    )
     where = let_go(branch, i, known.parameter, other.parameter)
     if where is None:
         where = bracketed(lambda parameter: pressing(branch.at(parameter), i), known.parameter, other.parameter)

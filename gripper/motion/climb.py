@@ -15,7 +15,7 @@ import numpy as np
 
 from gripper.arrays import Array
 from gripper.contact.parabola import vertex
-from gripper.motion.branch import Along, Branch, Path, nudged, pointed
+from gripper.motion.branch import Along, Path, branch_from, nudged, pointed
 from gripper.statics.balance import cubic
 from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting
 
@@ -74,7 +74,7 @@ def at_change(setting: Setting, path: Path, known: Along, parameter: float, orde
         return Along(parameter, known.equilibrium)
     try:
         near = Along(known.parameter, pointed(setting, known.equilibrium, order))
-        return Along(parameter, Branch(setting, path, near, order).at(parameter))
+        return Along(parameter, branch_from(setting, path, near, order).at(parameter))
     except NoEquilibriumError:
         return None
 
@@ -143,7 +143,7 @@ class Climber:
         inner = self._rated(measure, low, heading)
         if not low.equilibrium.state.sites or inner[1] * (high.parameter - low.parameter) <= 0:
             return Summit(float(inner[0]), low)
-        branch = Branch(self.setting, self.path, low, self.order)
+        branch = branch_from(self.setting, self.path, low, self.order)
         outer = self._rated(measure, high, heading)
         for _ in range(_CLIMBS):
             way = high.parameter - low.parameter

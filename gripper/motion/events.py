@@ -11,7 +11,7 @@ import numpy as np
 from gripper.contact.features import apart_from, feature_name, gone_and_come, stayed
 from gripper.contact.obstacle import Obstacle
 from gripper.contact.site import Site
-from gripper.motion.branch import APART, Along, Branch, Path, bracketed, joined, pointed, released
+from gripper.motion.branch import APART, Along, Path, bracketed, branch_from, joined, pointed, released
 from gripper.motion.turning import adjacent, changed, rolled_apart
 from gripper.statics.certificate import survey
 from gripper.statics.equilibrium import NoEquilibriumError, Setting, State
@@ -96,7 +96,7 @@ def check_unbroken(setting: Setting, path: Path, old: Along, new: Along, order: 
     kinds = [[(site.kind, site.piece, site.vertex) for site in at.equilibrium.state.sites] for at in (old, new)]
     if kinds[0] != kinds[1]:
         return
-    branch = Branch(setting, path, old, order)
+    branch = branch_from(setting, path, old, order)
     joined(setting, path, Along(new.parameter, branch.at(new.parameter)), new, order)
     between = branch.at((old.parameter + new.parameter) / 2)
     if objection(setting, between) or not survey(setting, between.obstacle, between.state).clear:

@@ -8,7 +8,7 @@ import numpy as np
 
 from gripper.contact.features import Feature, gone_and_come
 from gripper.contact.site import pointed as as_point
-from gripper.motion.branch import Along, Branch, Path, let_go, number, pointed
+from gripper.motion.branch import Along, Path, branch_from, let_go, number, pointed
 from gripper.motion.events import moves
 from gripper.motion.turning import adjacent
 from gripper.statics.equilibrium import NoEquilibriumError, Setting, State
@@ -29,7 +29,7 @@ def exchanged(setting: Setting, path: Path, old: Along, new: Along, order: int) 
         return None
     try:
         both, won, lost = _both(setting, old, new, (gone[0], come[0]), order)
-        branch = Branch(setting, path, both, order)
+        branch = branch_from(setting, path, both, order)
         touch, release = (let_go(branch, i, new.parameter, old.parameter) for i in (won, lost))
         if touch is None or release is None or (release - touch) * (new.parameter - old.parameter) <= 0:
             return None

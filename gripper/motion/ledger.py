@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gripper.motion.branch import Along, Branch, Path, pointed, speed
+from gripper.motion.branch import Along, Path, branch_from, pointed, speed
 from gripper.motion.peaks import Peak
 from gripper.motion.work import BESIDE, REST, Pace, booked, drawn, pace
 from gripper.statics.balance import Balance
@@ -162,7 +162,7 @@ class Ledger:
         part = float(np.sign(way)) * _ASIDE / fast
         try:
             near = replace(near, equilibrium=pointed(self.setting, near.equilibrium, order))
-            branch = Branch(self.setting, self.path, near, order)
+            branch = branch_from(self.setting, self.path, near, order)
             if not any(site.on_face for site in near.equilibrium.state.sites):
                 return pace(self.setting, self.path, Along(at, branch.at(at)), heading)
             found = {parts: branch.at(at + parts * part) for parts in BESIDE[::-1]}

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gripper.arrays import Array
-from gripper.motion.branch import Along, Branch, Path
+from gripper.motion.branch import Along, Branch, Path, branch_from
 from gripper.motion.work import Pace, pace
 from gripper.statics.balance import cubic
 from gripper.statics.contact_forces import drive
@@ -62,7 +62,7 @@ class Peak:
 
     def located(self, setting: Setting, path: Path, order: int) -> Top:
         """The largest force, on an equilibrium of this step."""
-        branch = Branch(setting, path, self.near, order)
+        branch = branch_from(setting, path, self.near, order)
         try:
             place = self._place(setting, path, branch)
             found = branch.at(place)

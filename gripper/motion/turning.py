@@ -9,7 +9,7 @@ import numpy as np
 from gripper.arrays import Complex
 from gripper.contact.features import Feature
 from gripper.contact.site import Site
-from gripper.motion.branch import SHARP, Along, Branch, Path, bracketed, joined, number, released
+from gripper.motion.branch import SHARP, Along, Path, bracketed, branch_from, joined, number, released
 from gripper.motion.pinned import Pin
 from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting
 from gripper.statics.nearby import vertex_height
@@ -70,7 +70,7 @@ def _departed(
         raise NoEquilibriumError("a contact without a place of its own ends")
     distant = setting.outline.ends(pair[0][1])[-1]
     far = min(abs(distant - end) for end in setting.outline.ends(pair[1][1])) < _MEETING
-    branch, at, short = Branch(setting, path, known, order), known.parameter, _SHORT
+    branch, at, short = branch_from(setting, path, known, order), known.parameter, _SHORT
     stop, way = other.parameter, other.parameter - known.parameter
     pin = _at_end(setting, known.equilibrium, i, far)
     where = branch.pinned(at, pin, (at, stop + _OVERSHOT * way)) if pin else None
@@ -123,7 +123,7 @@ def _rolled(
     """
     old, new = poses
     alone = replace(old, equilibrium=strongest_alone(setting, old.equilibrium, order))
-    branch, place = Branch(setting, path, alone, order), new.equilibrium.state.sites[number(new, won)].place
+    branch, place = branch_from(setting, path, alone, order), new.equilibrium.state.sites[number(new, won)].place
     if distance(branch.at(new.parameter).state, new.equilibrium.state) > rolled_apart(old, new):
         raise NoEquilibriumError("the step leads to another branch")
     if not located:
@@ -170,11 +170,11 @@ def _turned(
     at, touched = known.obstacle.corners[corner[2]], complex(known.linear.points[number(beside, side)].mean())
     if _corner_between(known.obstacle.corners, at, touched):  # it is another corner's side
         alone = replace(at_corner, equilibrium=strongest_alone(setting, at_corner.equilibrium, order))
-        held = Branch(setting, path, alone, order).at(beside.parameter)
+        held = branch_from(setting, path, alone, order).at(beside.parameter)
         if distance(held.state, known.state) > rolled_apart(at_corner, beside):
             raise NoEquilibriumError("the step leads to another branch")
         return end
-    branch, i = Branch(setting, path, at_corner, order), number(at_corner, corner)
+    branch, i = branch_from(setting, path, at_corner, order), number(at_corner, corner)
     away = touched - at
     beginning = at + away / abs(away) * _BESIDE
     turned = np.exp(1j * known.obstacle.frame.angle)
@@ -190,7 +190,7 @@ def _turned(
     beyond = turn(at_corner.parameter) >= 0
     where = at_corner.parameter if beyond else bracketed(turn, at_corner.parameter, beside.parameter)
     there, further = branch.at(where), where + _SHORTLY * (beside.parameter - where)
-    other = Branch(setting, path, beside, order).at(further)
+    other = branch_from(setting, path, beside, order).at(further)
     if distance(there.state, other.state) > _ROLLED:
         raise NoEquilibriumError("the step leads to another branch")
     return where

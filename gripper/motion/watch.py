@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from gripper.arrays import Array
-from gripper.motion.branch import Along, Branch, Path
+from gripper.motion.branch import Along, Path, branch_from
 from gripper.motion.climb import MARKS, Climber, Flank, Measure, Sample, Summit, at_change
 from gripper.statics.balance import Balance, cubic
 from gripper.statics.contact_forces import drive
@@ -163,7 +163,7 @@ class Watch:
         points = [first, last]
         near = _where_extreme(first, last)
         try:
-            points.insert(1, Along(near, Branch(self.setting, self.path, first, order).at(near)))
+            points.insert(1, Along(near, branch_from(self.setting, self.path, first, order).at(near)))
         except NoEquilibriumError:
             pass  # the cubic over the whole part stands
         energies: list[float] = np.concatenate([_energies(*pair) for pair in itertools.pairwise(points)]).tolist()
