@@ -290,7 +290,8 @@ def test_derivatives_of_the_summary_follow_its_numbers_or_say_why_there_are_none
             assert len(found.reasons[name]) > 10
             continue
         near, far = (getattr(shifted[n], name) - getattr(shifted[-n], name) for n in (1, 2))
-        assert exact == pytest.approx((8 * near - far) / (12 * step), rel=BOOKED.get(name, 3e-4), abs=1e-9), name
+        off = 1e-5 * np.ptp(scene.motion.values) / step if name.endswith("_at") else 1e-9  # smooth peaks lie that near
+        assert exact == pytest.approx((8 * near - far) / (12 * step), rel=BOOKED.get(name, 3e-4), abs=off), name
     assert set(found.summary) | COUNTED == {f.name for f in dataclasses.fields(result.summary())}
     known = {name for name, exact in found.summary.items() if exact is not None}
     assert known >= {"insertion_force", "force_on_object", "strain", "clearance", "clearance_at", *BOOKED}

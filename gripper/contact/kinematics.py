@@ -34,16 +34,18 @@ class Placement:
 
 
 @functools.lru_cache(maxsize=256)
-def _compiled(clamp: Pose, body: Pose, parameter: str | None) -> Callable[[float], list[float]]:
-    """The six coordinates, their rates and the rates of these as one function, differentiated once a pair of poses."""
+def _compiled(
+    clamp: Pose, body: Pose, parameter: str | None, orders: tuple[int, ...]
+) -> Callable[[float], list[float]]:
+    """The derivatives of the six coordinates, of these orders one after the other, as one function."""
     symbols = [s for s in clamp.parameters | body.parameters if s.name == parameter]
     q = sympy.Symbol(parameter or "q", real=True)
     coordinates = [
         sympy.sympify(e).subs({s: q for s in symbols})
         for e in (clamp.x, clamp.y, clamp.angle, body.x, body.y, body.angle)
     ]
-    rates = [[sympy.diff(e, q, order) for e in coordinates] for order in (1, 2)]
-    return sympy.lambdify([q], [*coordinates, *rates[0], *rates[1]], "math", cse=True)
+    flat = [sympy.diff(e, q, order) for order in orders for e in coordinates]
+    return sympy.lambdify([q], flat, "math", cse=True)
 
 
 class Kinematics:
@@ -51,9 +53,9 @@ class Kinematics:
 
     def __init__(self, scene: Scene, length: float) -> None:
         self.length = length
-        self._function = _compiled(
-            placed(scene.finger).pose, placed(scene.object).pose, scene.motion.parameter if scene.motion else None
-        )
+        parameter = scene.motion.parameter if scene.motion else None
+        self._poses = placed(scene.finger).pose, placed(scene.object).pose, parameter
+        self._function = _compiled(*self._poses, (0, 1, 2))
 
     def _values(self, parameter: float) -> list[float]:
         try:
@@ -69,9 +71,10 @@ class Kinematics:
         values = self._values(parameter)
         return Placement((values[0], values[1], values[2]), (values[3], values[4], values[5]))
 
-    def turning(self, parameter: float) -> float:
-        """Rate of the clamp's angle with the parameter, in rad per unit."""
-        return self._values(parameter)[8]
+    def turning(self, parameter: float) -> tuple[float, float]:
+        """Rate of the clamp's angle with the parameter, in rad per unit, and the rate of that."""
+        values = self._values(parameter)
+        return values[8], values[14]
 
     def clamp_velocity(self, parameter: float) -> complex:
         """Rate of the clamp's place in the world with the parameter, in m per unit."""
@@ -85,6 +88,21 @@ class Kinematics:
         drift = cmath.exp(-1j * turn) / self.length * complex(xo - x, yo - y)
         gliding = frame.velocity + 1j * rate * frame.origin
         return drift - 1j * (rate * gliding + turning * frame.origin + rate * frame.velocity), turning_o - turning
+
+    def jerk(self, parameter: float) -> tuple[complex, float]:
+        """Rates of :meth:`acceleration` with the parameter."""
+        frame, values = self.frame(parameter), self._values(parameter)
+        x, y, jolt, xo, yo, jolt_o = _compiled(*self._poses, (3,))(parameter)
+        rate, turning = values[8], values[14]
+        back = cmath.exp(-1j * values[2]) / self.length
+        drift, (gaining, _) = (
+            back * complex(values[15] - values[12], values[16] - values[13]),
+            self.acceleration(parameter),
+        )
+        gliding = frame.velocity + 1j * rate * frame.origin
+        sweep = turning * gliding + rate * (drift - 1j * rate * gliding)
+        sweep += jolt * frame.origin + 2 * turning * frame.velocity + rate * gaining
+        return back * complex(xo - x, yo - y) - 1j * rate * drift - 1j * sweep, jolt_o - jolt
 
     def frame(self, parameter: float) -> Frame:
         """The object relative to the clamp, lengths by L, with rates.

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import sympy
 
-from gripper.arrays import Array, Complex
+from gripper.arrays import Array, Complex, Index
 from gripper.contact.outline import UPPER, Outline
 from gripper.fingers import S
+from gripper.kinks import beside_kinks
+from gripper.objects.compiled import compiled
+from gripper.sensitivity.jet import lifted
 from gripper.sensitivity.opened import derivatives, profile
 
 
@@ -36,6 +40,7 @@ class FingerRates:
         by = tuple(symbols[key] for key in self.keys)
         stiffness = (formulas.bending, formulas.shear, formulas.stretch)
         expressions = (formulas.thickness, sympy.diff(formulas.thickness, S), *stiffness)
+        self._expressions, self._symbols = expressions, by
         self._along = derivatives(expressions, (S, *by), (S, *by))
         self._kinks = derivatives(formulas.kinks, by, by) if formulas.kinks else None
         flat = tuple(value for point in formulas.jaw for value in point)
@@ -47,11 +52,26 @@ class FingerRates:
 
     def _table(self, sigma: Array) -> Array:
         """w, w', EI, GA, EA in SI, then their rates by s and by each number: (2 + p, 5, k)."""
-        found = self._along(sigma * self.length, *self.values)
+        return lifted(functools.partial(self._filled, self._along), self._ahead, sigma)
+
+    def _filled(self, function: Any, sigma: Array) -> Array:
+        found = function(sigma * self.length, *self.values)
         table = np.empty((len(found), sigma.size))
         for row, values in enumerate(found):
             table[row] = values  # a constant fills its row
-        return table.reshape(2 + self.count, 5, sigma.size)
+        return table.reshape(-1, 5, sigma.size)
+
+    def _ahead(self, sigma: Array) -> Array:
+        """The table's slopes by sigma."""
+        steeper = tuple(sympy.diff(expression, S) for expression in self._expressions)
+        by = (S, *self._symbols)
+        return self._filled(derivatives(steeper, by, by), sigma) * self.length
+
+    def bends(self, piece: Index, u: Array) -> Complex:
+        """d3P/du3 of points of the outline (k,) at u (k,) along their pieces."""
+        third = compiled((S, *self._symbols), (beside_kinks(sympy.diff(self._expressions[0], S, 3)),))
+        values: Array = third(u * self.length, *self.values)[0] * self.length**2
+        return np.where(piece <= UPPER, (piece - 0.5) * 1j * values, 0.0)
 
     def thickness(self, sigma: Array) -> tuple[Array, Array]:
         """Rates of w / L and of dw/ds, (p, k)."""

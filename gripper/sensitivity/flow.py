@@ -51,25 +51,29 @@ class Change:
     def none(cls, touching: Touching, count: int) -> Change:
         """No change in any of ``count`` directions: arrays to be filled."""
         q, geometry, k = touching.u.size, touching.geometry, touching.carried.count
+
+        def zeros(*shape: int, dtype: type = float) -> Array:
+            return np.zeros((count, *shape), dtype=dtype, like=touching.points)
+
         return cls(
-            breaks=np.zeros((count, geometry.segments + 1)),
-            queries=np.zeros((count, q)),
-            stresses=np.zeros((count, geometry.fields, geometry.segments * geometry.count)),
-            densities=np.zeros((count, geometry.segments * geometry.count)),
-            base=np.zeros(count),
-            load_forces=np.zeros((count, k), dtype=complex),
-            load_couples=np.zeros((count, k)),
-            offsets=np.zeros((count, q), dtype=complex),
-            offset_slopes=np.zeros((count, q), dtype=complex),
-            gaps=np.zeros((count, q)),
-            normals=np.zeros((count, q), dtype=complex),
-            vertices=np.zeros((count, q), dtype=complex),
-            ratios=np.zeros((count, q)),
-            slips=np.zeros((count, touching.columns)),
-            rest=np.zeros((count, geometry.segments * geometry.count)),
-            rest_turns=np.zeros((count, q)),
-            rest_bends=np.zeros((count, q)),
-            base_turns=np.zeros(count),
+            breaks=zeros(geometry.segments + 1),
+            queries=zeros(q),
+            stresses=zeros(geometry.fields, geometry.segments * geometry.count),
+            densities=zeros(geometry.segments * geometry.count),
+            base=zeros(),
+            load_forces=zeros(k, dtype=complex),
+            load_couples=zeros(k),
+            offsets=zeros(q, dtype=complex),
+            offset_slopes=zeros(q, dtype=complex),
+            gaps=zeros(q),
+            normals=zeros(q, dtype=complex),
+            vertices=zeros(q, dtype=complex),
+            ratios=zeros(q),
+            slips=zeros(touching.columns),
+            rest=zeros(geometry.segments * geometry.count),
+            rest_turns=zeros(q),
+            rest_bends=zeros(q),
+            base_turns=zeros(),
         )
 
     def beside(self, other: Change) -> Change:
@@ -194,8 +198,8 @@ def _covector(t: Touching, theta: Array, psi: Array, drawn: Complex) -> Array:
 def _slid(t: Touching, change: Change, moved: Flow) -> tuple[Array, Array]:
     """What a corner of the object that is off the foot of its normal takes from its load, as the face turns."""
     geometry = t.geometry
-    out = np.zeros((len(moved.points), geometry.fields, geometry.segments, geometry.modes))
-    turning = np.zeros(len(out))
+    shape = len(moved.points), geometry.fields, geometry.segments, geometry.modes
+    out, turning = (np.zeros(size, like=t.points) for size in (shape, shape[:1]))
     for span in t.spans:
         if span.site.kind != "vertex":
             continue
@@ -211,7 +215,7 @@ def _slid(t: Touching, change: Change, moved: Flow) -> tuple[Array, Array]:
 def _turn_covector(t: Touching, at: int) -> Array:
     """Derivative of the tangent's angle at a query by the coefficients, (fields, segments, modes)."""
     geometry, tangent = t.geometry, t.tangents[at]
-    out = np.zeros((geometry.fields, geometry.segments, geometry.modes))
+    out = np.zeros((geometry.fields, geometry.segments, geometry.modes), like=t.points)
     out[0] = geometry.lengths[:, None] * t.marks.turns[at].reshape(geometry.segments, -1)
     back = (1j * tangent).conjugate() / abs(tangent) ** 2 * t.turn[at] * t.flexible[at]
     for side, leans in zip(t.sides, t.leans, strict=True):

@@ -10,6 +10,7 @@ Every change is one of a batch of d directions: the leading axis.
 
 from __future__ import annotations
 
+import copy
 import functools
 from dataclasses import dataclass, fields
 
@@ -18,6 +19,7 @@ import numpy as np
 from gripper.arrays import Array, Complex, Index
 from gripper.beam.legendre import legendre, legendre_integrals
 from gripper.beam.strains import Beam
+from gripper.sensitivity.jet import jet
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,22 +71,36 @@ class Geometry:
 
     def __init__(self, beam: Beam, z: Array) -> None:
         self.beam = beam
-        self.lengths, self.segments, self.modes, self.fields = beam.lengths, beam.segments, beam.modes, beam.fields
+        self.segments, self.modes, self.fields = beam.segments, beam.modes, beam.fields
         self.count = beam.gauss.size // beam.segments
         self.rule = _rule(self.count, self.modes)
-        self.coefficients = beam.coefficients(z)
+        self.turns = self._turns()
+        self._read(beam.lengths, beam.gauss, beam.coefficients(z), beam.base_turn(z))
+
+    def moved(self, breaks: Array, coefficients: Array, base_turn: float) -> Geometry:
+        """The same of a finger that is straight at rest, carrying rates of segments' ends, coefficients, base's turn."""
+        moved, lengths = copy.copy(self), np.diff(breaks)
+        along = (breaks[:-1, None] + lengths[:, None] * self.rule.along).ravel()
+        moved._read(
+            jet(self.lengths, lengths),
+            jet(self.gauss, along),
+            jet(self.coefficients, coefficients),
+            jet(self.base_turn, base_turn),
+        )
+        return moved
+
+    def _read(self, lengths: Array, gauss: Array, coefficients: Array, base_turn: Array | float) -> None:
+        self.lengths, self.gauss, self.coefficients, self.base_turn = lengths, gauss, coefficients, base_turn
         self.strains = self.coefficients @ self.rule.modes.T  # at the Gauss points, (fields, segments, q)
         self.products = (self.lengths[:, None] * self.coefficients[0]).ravel()
-        self.turns = self._turns()
-        self.base_turn = beam.base_turn(z)
-        theta = self.turns @ self.products + beam.rest_angle + self.base_turn
+        theta = self.turns @ self.products + self.beam.rest_angle + self.base_turn
         if self.fields == 2:
             theta = theta + self.strains[1].ravel()
         self.direction = np.exp(1j * theta)  # with stretch that of the section, else r'
         self.halves = np.repeat(self.lengths / 2, self.count)
         self.steps = self.halves * self.direction
         self.drawn: Complex | float = 1.0  # r' in the section's frame
-        if beam.stretches:
+        if self.beam.stretches:
             self.drawn = 1 + self.strains[2].ravel() + 1j * self.strains[1].ravel()
         self.runs = self.steps * self.drawn
 

@@ -69,7 +69,7 @@ class Memory:
 
     def change(self, t: Touching, change: Change, frames: FrameRates) -> None:
         """Contacts that stick remember where they began to, which the numbers change too."""
-        turn = cmath.exp(1j * t.obstacle.frame.angle)
+        turn = np.exp(1j * t.obstacle.frame.angle)
         for span in t.spans:
             if not span.sticks:
                 continue

@@ -11,13 +11,15 @@ from gripper.arrays import Array, Complex
 from gripper.contact.outline import dot
 from gripper.sensitivity.gap_rates import gap_rates
 from gripper.sensitivity.geometry import Marks
+from gripper.sensitivity.jet import Jet, NotFormedError, value_of
 from gripper.sensitivity.section_rates import Sectioned
-from gripper.sensitivity.seeds import Seeds
+from gripper.sensitivity.seeds import Seeds, Solved
+from gripper.sensitivity.tangent import stored_rates
 from gripper.statics.equilibrium import Equilibrium
 from gripper.statics.profile import largest_strain
 
 _AT_END = 1e-9  # of half a segment
-_Known: TypeAlias = tuple[float, Array]  # a number, and its rates
+_Known: TypeAlias = tuple[Array, Array]  # a number, and its rates
 Table: TypeAlias = dict[str, Array]
 """Rates by name: (p,), or (p, 2) of vectors."""
 
@@ -34,10 +36,19 @@ class Reading:
     """
 
     def __init__(self, seeds: Seeds, equilibrium: Equilibrium) -> None:
-        solved = seeds.solved(equilibrium)
+        self._read(seeds, seeds.solved(equilibrium))
+
+    @classmethod
+    def of(cls, seeds: Seeds, solved: Solved) -> Reading:
+        """The same of what is solved already."""
+        reading = cls.__new__(cls)
+        reading._read(seeds, solved)
+        return reading
+
+    def _read(self, seeds: Seeds, solved: Solved) -> None:
         self.seeds, self.scales = seeds, seeds.setting.sections
         self.touching, self.frames, self.rates = solved.touching, solved.frames, solved.rates
-        self.parameter = equilibrium.obstacle.frame.parameter
+        self.parameter = solved.touching.equilibrium.obstacle.frame.parameter
 
     def table(self) -> Table:
         """All rates by name."""
@@ -63,8 +74,10 @@ class Reading:
 
     def energy(self) -> Array:
         """Rate of the strain energy, in J."""
-        whole = self.touching.equilibrium.state.energy * self.seeds.log_energy
-        return np.asarray((self.rates.energy + whole) * self.scales.energy_scale)
+        t, found = self.touching, self.rates
+        rates = found.unknowns @ t.equilibrium.state.energy_gradient + stored_rates(t, found.change)
+        whole = t.equilibrium.state.energy * self.seeds.log_energy
+        return np.asarray((rates + whole) * self.scales.energy_scale)
 
     def size(self) -> Array:
         """Rate of the size of the force on the object, in N."""
@@ -109,7 +122,7 @@ class Reading:
         changes = self.frames.velocity[:, None] + 1j * frame.spin * (moved.points - self.frames.origin[:, None])
         changes += 1j * self.frames.spin[:, None] * (t.points - frame.origin)
         rate = (dot(moved.forces, velocities) + dot(t.forces, changes)).sum(axis=1)
-        whole = float(dot(t.forces, velocities).sum())
+        whole = dot(t.forces, velocities).sum()
         return (rate + whole * self.seeds.log_energy) * self.scales.energy_scale
 
     def _tip(self, turn: complex) -> Table:
@@ -129,13 +142,20 @@ class Reading:
             return np.zeros(len(self.seeds.keys))
         value, s = largest_strain(t.setting, t.equilibrium)
         section = self._section(s)
+        if isinstance(t.points, Jet) and abs(section.x) < 1 - _AT_END:
+            raise NotFormedError("a strain that is largest between contacts")
+        strain, found = self._strained(section)
+        rates: Array = value / value_of(strain) * found
+        return rates
+
+    def _strained(self, section: _Section) -> _Known:
+        """The strain of a section, and its rates."""
+        t = self.touching
         moment, force, rates = self._outer(section)
-        along, pulling = self._pull(section, force, rates[1]) if t.beam.stretches else (0.0, 0.0 * rates[0])
+        along, pulling = self._pull(section, force, rates[1]) if t.beam.stretches else (np.zeros(()), 0.0 * rates[0])
         if t.setting.sections.law is None:
-            strain, found = self._linear(section, (moment, rates[0]), (along, pulling))
-        else:
-            strain, found = self._lawful(section, (moment, rates[0]), (along, pulling))
-        return np.asarray(value / strain * found)
+            return self._linear(section, (moment, rates[0]), (along, pulling))
+        return self._lawful(section, (moment, rates[0]), (along, pulling))
 
     def _linear(self, section: _Section, moment: _Known, along: _Known) -> _Known:
         """The strain of a section under M and N, and its rates."""
@@ -161,12 +181,12 @@ class Reading:
             return None
         return np.asarray((self._moving(section) + s * self.seeds.log_length) * self.scales.length)
 
-    def _outer(self, section: _Section) -> tuple[float, complex, tuple[Array, Complex]]:
+    def _outer(self, section: _Section) -> tuple[Array, Complex, tuple[Array, Complex]]:
         """Moment and force of all that acts further out than a section, and their rates."""
         t, moved = self.touching, self.rates.flow
-        here = complex((section.marks.places @ t.geometry.runs)[0])
+        here = (section.marks.places @ t.geometry.runs)[0]
         passing = moved.bending.runs @ section.marks.places.T
-        s = float(section.place[0])
+        s = float(value_of(section.place)[0])
         middle = s - section.x * 5e-10  # which side of a force a break is read on
         beyond = np.where(t.flexible > 0, t.s, 2.0) > middle
         parts = [(beyond, t.points, t.forces, 0 * t.s, moved.points, moved.forces, 0 * t.s)]
@@ -176,16 +196,16 @@ class Reading:
             forces, couples = bearing.given(shift, self.seeds.rest(bearing.s))
             felt = bearing.points, bearing.forces, bearing.couples
             parts.append((counts, *felt, found.points, found.forces + forces, found.couples + couples))
-        moment, force = 0.0, 0j
+        moment, force = np.zeros(()), np.zeros((), dtype=complex)
         turning, pulling = np.zeros(len(self.seeds.keys)), np.zeros(len(self.seeds.keys), dtype=complex)
         for counts, points, forces, couples, going, forcing, twisting in parts:
             arms, changes = points - here, going - passing
-            moment += float(counts @ ((arms.conj() * forces).imag + couples))
-            turning += ((changes.conj() * forces + arms.conj() * forcing).imag + twisting) @ counts
-            force, pulling = force + complex(counts @ forces), pulling + forcing @ counts
+            moment = moment + counts @ ((arms.conj() * forces).imag + couples)
+            turning = turning + ((changes.conj() * forces + arms.conj() * forcing).imag + twisting) @ counts
+            force, pulling = force + counts @ forces, pulling + forcing @ counts
         return moment, force, (turning, pulling)
 
-    def _pull(self, section: _Section, force: complex, pulling: Complex) -> _Known:
+    def _pull(self, section: _Section, force: Complex, pulling: Complex) -> _Known:
         """The force along a section's normal, and its rate."""
         t, moved, rest = self.touching, self.rates.flow, self.touching.rest
         psi = (section.marks.turns @ t.geometry.products)[0] + t.geometry.base_turn
@@ -196,7 +216,7 @@ class Reading:
         turning = turning + self.seeds.rest(section.place)[:, 0]
         normal = np.exp(1j * psi)
         rate: Array = (normal.conj() * pulling).real + ((1j * normal).conj() * force).real * turning
-        return float((normal.conj() * force).real), rate
+        return (normal.conj() * force).real, rate
 
     def _section(self, s: float) -> _Section:
         """A place, in the segment in which it is read; at a break in the one before."""
@@ -220,9 +240,9 @@ class Reading:
         thick, slender = seeds.finger.thickness(section.place)[0], seeds.setting.sections.profile(section.place)
         return (
             stiff[:, 0],
-            float(np.ravel(slender[0])[0]),
+            np.ravel(slender[0])[0],
             np.column_stack([seeds.spread(stiffer[:, i, 0]) + slope[i, 0] * moving for i in range(3)]),
-            seeds.spread(thick[:, 0]) + float(np.ravel(slender[1])[0]) * moving,
+            seeds.spread(thick[:, 0]) + np.ravel(slender[1])[0] * moving,
         )
 
 

@@ -6,11 +6,13 @@ from collections.abc import Mapping
 from typing import Protocol
 
 import numpy as np
+import sympy
 
 from gripper.arrays import Array, Complex
 from gripper.objects import Combined, FeatureSurface, ImplicitSurface, Object, Offset
 from gripper.objects.compiled import X, Y
 from gripper.sensitivity.opened import NotOpenError, Opened, surface
+from gripper.sensitivity.swept import filled, swept
 
 
 class ObjectRates(Protocol):
@@ -62,13 +64,18 @@ class _FormulaRates:
     def __init__(self, body: ImplicitSurface, values: Mapping[str, float]) -> None:
         self.values = list(values.values())
         opened = Opened(body, values)
-        self._rates = surface(opened.read(lambda part: part.g(X, Y)), tuple(opened.symbols.values()))
+        self._formula, self._symbols = opened.read(lambda part: part.g(X, Y)), tuple(opened.symbols.values())
 
     def at(self, points: Array) -> tuple[Array, Complex]:
-        table = np.empty((len(self.values), 3, len(points)))
-        for row, values in enumerate(self._rates(points[:, 0], points[:, 1], *self.values)[3:]):
-            table[divmod(row, 3)] = values  # a constant fills its row
+        table = swept(self._table, points)
         return table[:, 0], table[:, 1] + 1j * table[:, 2]
+
+    def _table(self, points: Array, order: int) -> Array:
+        """Rates of g, g_x and g_y, (p, 3, k); of order 1 their derivatives by x and y, (2, p, 3, k)."""
+        formulas = [sympy.diff(self._formula, along) for along in (X, Y)] if order else [self._formula]
+        each = [surface(g, self._symbols)(points[:, 0], points[:, 1], *self.values)[3:] for g in formulas]
+        tables = [filled(values, len(points)).reshape(len(self.values), 3, len(points)) for values in each]
+        return np.stack(tables) if order else tables[0]
 
     def corners(self, points: Array) -> Complex:
         return np.zeros((len(self.values), len(points)), dtype=complex)

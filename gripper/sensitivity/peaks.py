@@ -1,8 +1,9 @@
 """Derivatives of what is largest along a motion.
 
-Where a number is stationary along the motion, its place may be held (the envelope theorem). Where it is largest
-because something changes there (a contact reaches the end of its edge, a hold is lost), the place moves with what
-changes: f_p + f_q q_p, q_p from the condition of the change.
+Where a number f is stationary along the motion q, its place may be held (the envelope theorem), and moves as f_q = 0
+asks: q_p = -f_qp / f_qq (:mod:`gripper.sensitivity.second`). Where it is largest because something changes there (a
+contact reaches the end of its edge, a hold is lost), the place moves with what changes: f_p + f_q q_p, q_p from the
+condition of the change.
 """
 
 from __future__ import annotations
@@ -15,8 +16,10 @@ from gripper.arrays import Array
 from gripper.contact.outline import LOWER, UPPER
 from gripper.contact.site import Site
 from gripper.motion.branch import Along, Branch
+from gripper.sensitivity.jet import Jet, NotFormedError, value_of
 from gripper.sensitivity.limits import FEEBLE, at_end
 from gripper.sensitivity.numbers import Reading
+from gripper.sensitivity.second import along_motion
 from gripper.sensitivity.seeds import Seeds
 from gripper.sensitivity.tangent import Rates
 from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting
@@ -36,9 +39,11 @@ class Peaking:
 
     value: Array | None
     place: Array | None
-    """Of the motion's parameter there: known where something changes, or the motion ends."""
+    """Of the motion's parameter there."""
     along: Array | None
     """Of the place on the finger, in m."""
+    missing: str | None = None
+    """What has no second derivatives, of a peak whose place moves with them."""
 
 
 class Summit:
@@ -71,10 +76,17 @@ class Summit:
             return Peaking(here[:-1] + moving * here[-1], moving, self._along(equilibrium, moving))
         if self._rise(here, equilibrium) > _STATIONARY:
             return Peaking(None, None, None)
-        along = self._along(equilibrium, None)
-        if along is not None:  # known at the clamp, wherever the motion is
-            along = None if along[-1] else along[:-1]
-        return Peaking(self._climbed(equilibrium, parameter, here)[:-1], None, along)
+        return self._smooth(equilibrium, parameter)
+
+    def _smooth(self, equilibrium: Equilibrium, parameter: float) -> Peaking:
+        """Of a number that is stationary along the motion, where second derivatives tell how its place moves."""
+        top, rates, missing = self._climbed(equilibrium, parameter)
+        along = self._along(top, None)
+        if isinstance(rates, Jet):
+            moving = -rates.rate[:-1] / rates.rate[-1]
+            return Peaking(rates.value[:-1], moving, self._along(top, moving))
+        held = along is not None and not along[-1]  # at the clamp, wherever the motion is
+        return Peaking(rates[:-1], None, along[:-1] if along is not None and held else None, missing)
 
     def _along(self, equilibrium: Equilibrium, moving: Array | None) -> Array | None:
         """Derivatives of where on the finger the strain is largest, in m, as the place of the motion moves."""
@@ -82,9 +94,18 @@ class Summit:
         return found if found is None or moving is None else found[:-1] + moving * found[-1]
 
     def _read(self, equilibrium: Equilibrium) -> Array:
-        reading = Reading(self.seeds, equilibrium)
+        return self._number(Reading(self.seeds, equilibrium))
+
+    def _number(self, reading: Reading) -> Array:
         named = {"motion_force": reading.drive, "max_strain": reading.strain, "force": reading.size}
         return named[self.name]()
+
+    def _twice(self, equilibrium: Equilibrium) -> tuple[Array, str | None]:
+        """The rates, carrying their own along the motion where these are formed, and for what they are not."""
+        try:
+            return self._number(along_motion(self.seeds, equilibrium)), None
+        except NotFormedError as error:
+            return self._read(equilibrium), str(error)
 
     def _rise(self, here: Array, equilibrium: Equilibrium) -> float:
         """How much the number rises over 1 % of the motion, relative."""
@@ -95,27 +116,31 @@ class Summit:
         low, high = self.ends or (0.0, 0.0)
         return float(abs(here[-1]) * 1e-2 * (high - low) / size)
 
-    def _climbed(self, equilibrium: Equilibrium, parameter: float, here: Array) -> Array:
-        """The rates nearer to where the number is stationary: secants on its slope."""
+    def _climbed(self, equilibrium: Equilibrium, parameter: float) -> tuple[Equilibrium, Array, str | None]:
+        """The equilibrium nearer to where the number is stationary, and its rates there: Newton's method on its slope.
+
+        Where second derivatives are not formed, secants.
+        """
         low, high = self.ends or (0.0, 0.0)
-        branch = Branch(
-            self.seeds.setting, self.seeds.kinematics, Along(parameter, equilibrium), equilibrium.state.beam.order
-        )
-        known, step = (parameter, here), 1e-3 * (high - low)
+        setting, order = self.seeds.setting, equilibrium.state.beam.order
+        branch = Branch(setting, self.seeds.kinematics, Along(parameter, equilibrium), order)
+        (here, missing), place, step = self._twice(equilibrium), parameter, 1e-3 * (high - low)
+        top, best = equilibrium, here
         for _ in range(_CLIMBS):
-            if self._rise(known[1], equilibrium) < _SHARP:
+            if isinstance(here, Jet):
+                step = -here.value[-1] / here.rate[-1]
+            if self._rise(value_of(here), equilibrium) < _SHARP or not 0 < abs(step) < 1e-2 * (high - low):
                 break
-            place = known[0] + step
             try:
-                found = self._read(branch.at(place))
+                found = branch.at(place + step)
             except NoEquilibriumError:
                 break  # the branch ends: the peak is as near as it gets
-            curvature = (found[-1] - known[1][-1]) / step
-            known = (place, found) if abs(found[-1]) < abs(known[1][-1]) else known
-            step = -known[1][-1] / curvature if curvature else 0.0
-            if not 0 < abs(step) < 1e-2 * (high - low):
-                break
-        return known[1]
+            last, place, here = here, place + step, self._twice(found)[0]
+            if missing:
+                step *= here[-1] / (last[-1] - here[-1]) if last[-1] != here[-1] else 0.0
+            if abs(value_of(here)[-1]) < abs(value_of(best)[-1]):
+                top, best = found, here
+        return top, best, missing
 
 
 def _moving(seeds: Seeds, equilibrium: Equilibrium) -> Array | None:

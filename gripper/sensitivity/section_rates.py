@@ -28,6 +28,8 @@ class Answered:
     density: Array
     density_slopes: Array
     density_rates: Array
+    stiffness: Array
+    """Of each field, under the linear law."""
 
 
 def answered(finger: FingerRates, sigma: Array, strains: Array) -> Answered:
@@ -38,7 +40,7 @@ def answered(finger: FingerRates, sigma: Array, strains: Array) -> Answered:
     table = finger.stiffness(sigma, len(strains))
     stresses = [values * strains for values in table]
     densities = [(values * strains**2).sum(axis=-2) / 2 for values in table]
-    return Answered(stresses[0], stresses[1], stresses[2], densities[0], densities[1], densities[2])
+    return Answered(stresses[0], stresses[1], stresses[2], densities[0], densities[1], densities[2], table[0])
 
 
 class Sectioned:
@@ -76,7 +78,7 @@ class Sectioned:
             stress[:, :2] += np.einsum("dijk,jk->dik", stiffer, strains[:2])
             density += np.einsum("ik,dijk,jk->dk", strains[:2], stiffer, strains[:2]) / 2
         whole = self.response.stress(strains), self.response.energy(strains)
-        return Answered(whole[0], stress[0], stress[1:], whole[1], density[0], density[1:])
+        return Answered(whole[0], stress[0], stress[1:], whole[1], density[0], density[1:], np.zeros(0))
 
     def _bent(self, strains: Array, stress: Array, density: Array) -> None:
         """Write what bending and stretch change: EA phi(kappa w, e); without stretch e gives way, phi_e = 0."""
@@ -121,10 +123,10 @@ class Sectioned:
     def strain(
         self,
         strains: Array,
-        moment: tuple[float, Array],
-        axial: tuple[float, Array],
+        moment: tuple[Array, Array],
+        axial: tuple[Array, Array],
         total: Callable[[Array], Array],
-    ) -> tuple[float, Array]:
+    ) -> tuple[Array, Array]:
         """Largest strain of one section under M and N, and its rates (p,).
 
         Parameters
@@ -145,4 +147,4 @@ class Sectioned:
         apart = axial[1] / self.EA - by_e * stiffer - total(own[:, 2])
         whole = kk * ee - ke**2
         rates = np.sign(e) * (kk * apart - ke * off) / whole + np.sign(k) / 2 * (ee * off - ke * apart) / whole
-        return float(np.abs(e[0]) + np.abs(k[0]) / 2), rates
+        return np.abs(e[0]) + np.abs(k[0]) / 2, rates

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import cmath
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 import sympy
@@ -20,6 +20,7 @@ from gripper.scene import Scene
 from gripper.sensitivity.bearing import Shift
 from gripper.sensitivity.finger_rates import FingerRates
 from gripper.sensitivity.flow import Change
+from gripper.sensitivity.jet import jet
 from gripper.sensitivity.load_rates import LoadRates
 from gripper.sensitivity.memory import Memory
 from gripper.sensitivity.object_rates import object_rates
@@ -132,7 +133,7 @@ class Seeds:
     def frames(self, parameter: float | None) -> FrameRates:
         """Rates of the frames at a value of the motion's parameter."""
         kinematics, value = self.kinematics, parameter or 0.0
-        frame, turning = kinematics.frame(value), kinematics.turning(value)
+        frame, turning = kinematics.frame(value), kinematics.turning(value)[0]
         clamp = kinematics.placement(value).clamp
         back = cmath.exp(-1j * clamp[2]) / kinematics.length
         body, held = (self._shifts(name) for name in ("object", "finger"))
@@ -146,6 +147,24 @@ class Seeds:
             for field, rate in zip(fields(found), drive, strict=True):
                 getattr(found, field.name)[-1] = rate
         return found
+
+    def going(self, parameter: float) -> FrameRates:
+        """The same, carrying their rates with the parameter."""
+        kinematics, known = self.kinematics, self.frames(parameter)
+        frame, (turning, turning_on) = kinematics.frame(parameter), kinematics.turning(parameter)
+        gaining, spinning = kinematics.acceleration(parameter)
+        held = 1j * self._shifts("finger")[1] + self.log_length
+        drift = gaining + 1j * (turning_on * frame.origin + turning * frame.velocity)
+        speeding = -drift * held - 1j * (turning_on * known.origin + turning * known.velocity)
+        jolting = np.zeros(len(self.keys))
+        speeding[-1], jolting[-1] = kinematics.jerk(parameter)
+        return replace(
+            known,
+            origin=jet(known.origin, known.velocity),
+            angle=jet(known.angle, known.spin),
+            velocity=jet(known.velocity, speeding),
+            spin=jet(known.spin, jolting),
+        )
 
     def _shifts(self, name: str) -> tuple[Complex, Array]:
         """Rates of a pose in the world: place and angle."""
@@ -182,7 +201,7 @@ class Seeds:
         rows = self._finger_rows
         change.stresses[rows], change.densities[rows] = t.sections.stress_rates, t.sections.density_rates
         change.base[:] = self.log_base
-        change.rest[rows] = self.finger.rest(t.beam.gauss)[0]
+        change.rest[rows] = self.finger.rest(t.geometry.gauss)[0]
         turns, bends = self.finger.rest(t.s)
         change.rest_turns[rows], change.rest_bends[rows] = turns, bends * t.flexible
         kinks, rates = self.finger.kinks()
@@ -249,16 +268,16 @@ class Seeds:
         normals = a * away + b * away.conj() + 1j * turning * normal
         g, gradient = self.object.at(obstacle.local(points))
         gaps[self._object_rows] += g / self.setting.sections.length
-        normals[self._object_rows] += gradient * cmath.exp(1j * obstacle.frame.angle)
+        normals[self._object_rows] += gradient * np.exp(1j * obstacle.frame.angle)
         return gaps, normals
 
     def corner(self, obstacle: Obstacle, frames: FrameRates, number: int) -> Complex:
         """Rates of a corner of the object, by L in the clamp's axes, (p,)."""
         out = obstacle.corners[number] - obstacle.frame.origin
-        found = frames.origin + (1j * frames.angle - self.log_length) * out
+        found: Complex = frames.origin + (1j * frames.angle - self.log_length) * out
         own = self.object.corners(self.setting.body.corners[number : number + 1])[:, 0]
-        found[self._object_rows] += own * cmath.exp(1j * obstacle.frame.angle) / self.setting.sections.length
-        return np.asarray(found)
+        found[self._object_rows] += own * np.exp(1j * obstacle.frame.angle) / self.setting.sections.length
+        return found
 
     def _of_friction(self, t: Touching, change: Change) -> None:
         for span in t.spans:

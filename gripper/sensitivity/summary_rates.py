@@ -28,7 +28,7 @@ _NO_LOSS = 1e-6  # of the work put in: what is lost in less, without friction, i
 _COUNTED = ("parameter", "poses", "failed", "locked")
 _ABSENT = "the summary has none"
 _HELD = "it is largest where the finger snaps or a hold begins: how that place moves is not known"
-_SMOOTH = "where a smooth peak lies moves with second derivatives of the equations, which are not formed"
+_SMOOTH = "where a smooth peak lies moves with second derivatives of the equations, which are not formed of"
 _LOST = "the equilibrium of the peak is not known"
 _LIMIT = "the peak is at a limit point, where derivatives are infinite"
 _LOCKING = (
@@ -110,7 +110,7 @@ def _peak(rows: Rows, name: str, what: str, peak: Extreme | None, seeds: Seeds, 
     found, reason = _located(peak, what, seeds)
     sign = float(np.sign(drive(peak.kept.exact))) if peak.kept and what == "motion_force" else 1.0
     rows.put(name, None if found is None or found.value is None else sign * found.value, reason or _HELD)
-    why = reason or (_SMOOTH if name in rows.known else _HELD)
+    why = reason or (f"{_SMOOTH} {found.missing}" if found and found.missing else _HELD)
     rows.put(f"{name}_at", found.place if found else None, why)
     if name == "strain":
         rows.put("strain_s", found.along if found else None, why)

@@ -33,10 +33,24 @@ class Rates:
 
     change: Change
     flow: Flow
-    unknowns: Array  # (d, n)
-    multipliers: Array  # (d, m)
-    places: Array  # (d, k)
-    energy: Array  # (d,)
+    solution: Array  # of unknowns z, multipliers and places, (d, n + m + k)
+    system: Array  # its matrix
+    sizes: tuple[int, int, int]
+
+    @property
+    def unknowns(self) -> Array:
+        """Of z, (d, n)."""
+        return self.solution[:, : self.sizes[0]]
+
+    @property
+    def multipliers(self) -> Array:
+        """Of the contacts, (d, m)."""
+        return self.solution[:, self.sizes[0] : sum(self.sizes[:2])]
+
+    @property
+    def places(self) -> Array:
+        """Of the contacts, (d, k)."""
+        return self.solution[:, sum(self.sizes[:2]) :]
 
 
 def residual(touching: Touching, change: Change) -> Residual:
@@ -73,7 +87,7 @@ def stored_rates(touching: Touching, change: Change) -> Array:
 def _contact(t: Touching, change: Change, moved: Flow) -> tuple[Array, Array]:
     """Rates of C and R."""
     count = len(change.breaks)
-    values, places = np.zeros((count, t.rows)), np.zeros((count, t.columns))
+    values, places = (np.zeros((count, size), like=t.points) for size in (t.rows, t.columns))
     slopes = dot(moved.normals, t.tangents) + dot(t.normal, moved.tangents)
     for span in t.spans:
         site, at = span.site, span.queries.start
@@ -126,9 +140,15 @@ def _placed(touching: Touching) -> Change:
 def rates(touching: Touching, change: Change) -> Rates:
     """The rates of the equilibrium for changes of what is given."""
     off = residual(touching, _placed(touching).beside(change)).stacked
-    n, m, k = touching.beam.size, touching.rows, touching.columns
-    solution = -np.linalg.solve(matrix(touching, off[:k]), off[k:].T).T
-    unknowns, multipliers, places = solution[:, :n], solution[:, n : n + m], solution[:, n + m :]
+    system = matrix(touching, off[: touching.columns])
+    return carried(touching, change, -np.linalg.solve(system, off[touching.columns :].T).T, system)
+
+
+def carried(touching: Touching, change: Change, solution: Array, system: Array) -> Rates:
+    """The rates of the equilibrium, from the rates of its unknowns, multipliers and places."""
+    sizes = touching.beam.size, touching.rows, touching.columns
+    first, last = sizes[0], sizes[0] + sizes[1]
+    unknowns, multipliers, places = solution[:, :first], solution[:, first:last], solution[:, last:]
     breaks, queries, ratios = touching.moves
     weights = [touching.spread(s.site, multipliers[:, s.row : s.row + s.site.multipliers]) for s in touching.spans]
     coefficients, turns = touching.geometry.pushed(unknowns)
@@ -139,7 +159,6 @@ def rates(touching: Touching, change: Change) -> Rates:
         ratios=change.ratios + places @ ratios,
         base_turns=turns,
         coefficients=coefficients,
-        weights=np.concatenate([np.zeros((len(unknowns), 0)), *weights], axis=1),
+        weights=np.concatenate([multipliers[:, :0], *weights], axis=1),
     )
-    energy = unknowns @ touching.equilibrium.state.energy_gradient + stored_rates(touching, whole)
-    return Rates(whole, flow(touching, whole), unknowns, multipliers, places, energy)
+    return Rates(whole, flow(touching, whole), solution, system, sizes)

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import copy
 import functools
+import itertools
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,9 +17,14 @@ from gripper.contact.site import Site, pressure_rule
 from gripper.sensitivity.bearing import Carried
 from gripper.sensitivity.finger_rates import FingerRates
 from gripper.sensitivity.geometry import Geometry, Marks
+from gripper.sensitivity.jet import NotFormedError, jet, value_of
 from gripper.sensitivity.load_rates import LoadRates
 from gripper.sensitivity.section_rates import answered
 from gripper.statics.equilibrium import Equilibrium, Setting
+
+if TYPE_CHECKING:
+    from gripper.contact.obstacle import Obstacle
+    from gripper.sensitivity.flow import Change
 
 _CUT = 1e-6  # of L: segments end within this of the contacts that they were cut for
 
@@ -82,12 +90,16 @@ class Touching:
         self.rest = setting.sections.rest
         state = equilibrium.state
         self.beam, self.sites = state.beam, state.sites
-        self.geometry = Geometry(state.beam, state.z)
-        strains = self.geometry.strains.reshape(state.beam.fields, -1)
-        self.sections = answered(finger, state.beam.gauss, strains)
+        self.finger, self.geometry = finger, Geometry(state.beam, state.z)
         self.carried = Carried.of(loads, equilibrium, self.geometry)
         self._lay_out(state.multipliers)
-        self._read()
+        self._locate()
+        rubbing = equilibrium.linear.rubbing
+        self.ratio = np.zeros(self.u.size)
+        for i, span in enumerate(self.spans):
+            if rubbing is not None:
+                self.ratio[span.queries] = rubbing.ratios[i]
+        self._read(*setting.outline.offsets(self.piece, self.u))
 
     def _lay_out(self, multipliers: Array) -> None:
         spans, queries, weights = [], [], []
@@ -111,9 +123,7 @@ class Touching:
         if not site.spreads:
             return load[:, :1]
         mean = pressure_rule(site.modes, self.beam.order)[1]
-        out = np.zeros((len(load), mean.shape[1] + site.unknown_places))
-        out[:, : mean.shape[1]] = load @ mean
-        return out
+        return np.concatenate([load @ mean, np.zeros((len(load), site.unknown_places))], axis=1)
 
     def _segments(self) -> tuple[Index, Index]:
         """The segments before and after each query (one and the same inside a segment)."""
@@ -135,21 +145,26 @@ class Touching:
                 left[at] = right[at] = np.clip(np.searchsorted(breaks, site.place[0]) - 1, 0, last)
         return left, right
 
-    def _read(self) -> None:
-        """Points, tangents, normals and forces at the queries."""
-        geometry = self.geometry
+    def _locate(self) -> None:
+        """The maps to the queries, each at a fixed place of the segments before and after it."""
+        geometry, s = self.geometry, np.where(self.piece <= UPPER, self.u, 1.0)
         left, right = self._segments()
-        s, P, P1, P2 = self.setting.outline.offsets(self.piece, self.u)
-        self.s, self.offset, self.offset_slope, self.offset_bend = s, P, P1, P2
         before, after = (self._local(s, segment) for segment in (left, right))
         self.marks: Marks = geometry.marks(before, left)
         self.actors = self.marks.beside(self.carried.marks)
         beyond = geometry.marks(after, right) if np.any(left != right) else self.marks
         self.sides = (self.marks, beyond)
+        self.flexible = (self.piece <= UPPER).astype(float)
+
+    def _read(self, s: Array, P: Complex, P1: Complex, P2: Complex) -> None:
+        """Points, tangents, normals and forces at the queries: sections s, and offsets from them."""
+        geometry = self.geometry
+        strains = geometry.strains.reshape(geometry.fields, -1)
+        self.sections = answered(self.finger, geometry.gauss, strains)
+        self.s, self.offset, self.offset_slope, self.offset_bend = s, P, P1, P2
         psi = self.marks.turns @ geometry.products + geometry.base_turn
         self.turn = np.exp(1j * (psi if self.rest is None else psi + self.rest.angle(s)))
         self.points = self.marks.places @ geometry.runs + P * self.turn
-        self.flexible = (self.piece <= UPPER).astype(float)
         axes, self.leans = zip(*(self._along(side) for side in self.sides), strict=True)
         kappa = (self._strain(0, self.sides[0]) + self._strain(0, self.sides[1])) / 2
         self.kappa = self.flexible * (kappa if self.rest is None else kappa + self.rest.curvature(s)[0])
@@ -157,13 +172,41 @@ class Touching:
         self.gap, self.normal, (self._a, self._b) = self.obstacle.curvature(self.points)
         self._lean()
 
+    def moved(self, change: Change, row: int, obstacle: Obstacle) -> Touching:
+        """The same, carrying the rates of one direction of a change, with the obstacle as it goes that way.
+
+        Raises
+        ------
+        NotFormedError
+            Where that needs what has no second derivatives here.
+        """
+        missing = {
+            "loads": self.carried.count,
+            "a coefficient of friction that varies": any(self.middle(span)[1] for span in self.spans),
+            "a material's own law": self.setting.sections.law is not None,
+            "a finger that is bent at rest": self.rest is not None,
+        }
+        if any(missing.values()):
+            raise NotFormedError(next(part for part, used in missing.items() if used))
+        if change.coefficients is None or change.weights is None:
+            raise ValueError("change must carry a solution on; got one without")
+        moved = copy.copy(self)
+        moved.geometry = self.geometry.moved(change.breaks[row], change.coefficients[row], change.base_turns[row])
+        moved.obstacle, moved.ratio = obstacle, jet(self.ratio, change.ratios[row])
+        moved.u, moved.weights = jet(self.u, change.queries[row]), jet(self.weights, change.weights[row])
+        along, bends = change.queries[row], self.finger.bends(self.piece, self.u)
+        offsets = self.offset, self.offset_slope, self.offset_bend, bends
+        ahead = [jet(value, slope * along) for value, slope in itertools.pairwise(offsets)]
+        moved._read(jet(self.s, self.flexible * along), *ahead)
+        return moved
+
     def _local(self, s: Array, segment: Index) -> Array:
         x = (s - self.beam.starts[segment]) / (self.beam.lengths[segment] / 2) - 1
         return np.where(np.abs(np.abs(x) - 1) < 1e-3, np.sign(x), x)
 
     def _strain(self, field: int, marks: Marks) -> Array:
         if field >= self.geometry.fields:
-            return np.zeros(self.u.size)
+            return 0.0 * self.flexible
         return np.einsum("km,km->k", marks.modes, self.geometry.coefficients[field][marks.segment])
 
     def _along(self, side: Marks) -> tuple[Complex, list[Complex]]:
@@ -191,17 +234,13 @@ class Touching:
         geometry, own = self.geometry, self.rest.curvature(self.s)
         moved = breaks[:, :-1, None] + np.diff(breaks, axis=1)[:, :, None] * geometry.rule.along
         along = queries * self.flexible
-        under = self.rest.curvature(self.beam.gauss)[0]
+        under = self.rest.curvature(geometry.gauss)[0]
         return moved.reshape(len(breaks), -1) * under, along * own[0], along * own[1]
 
     def _lean(self) -> None:
         """Directions of the forces: along grad g, or the face's normal at a corner of the object, and friction's."""
-        rubbing = self.equilibrium.linear.rubbing
-        self.ratio = np.zeros(self.u.size)
         self.press = self.normal.copy()
-        for i, span in enumerate(self.spans):
-            if rubbing is not None:
-                self.ratio[span.queries] = rubbing.ratios[i]
+        for span in self.spans:
             if span.site.kind == "vertex":
                 at = span.queries.start
                 self.press[at] = self.side(span.site) * 1j * self.tangents[at] / abs(self.tangents[at])
@@ -214,7 +253,7 @@ class Touching:
         if grip is None or grip.anchor is None:
             raise ValueError("a contact that sticks must have an anchor; got none")
         anchor, weights = grip.anchor.over(self.middle(span)[0])
-        turn = complex(np.exp(1j * frame.angle))
+        turn = np.exp(1j * frame.angle)
         tangents = anchor.tangents * turn
         stretches = (anchor.stretches + dot(tangents, self.tangents[at])) / 2
         starts = anchor.points * turn + frame.origin
@@ -230,7 +269,8 @@ class Touching:
             weights[0] = 1.0
         if span.site.grip is None:
             return weights, 0.0
-        return weights, span.site.grip.ratios(span.site.piece, float(weights @ self.u[span.queries]))[1]
+        middle = float(weights @ value_of(self.u[span.queries]))
+        return weights, span.site.grip.ratios(span.site.piece, middle)[1]
 
     @staticmethod
     def side(site: Site) -> float:
