@@ -1,4 +1,4 @@
-"""Where smooth peaks lie: against differences of where the exact slope vanishes, on the same segments."""
+"""Where smooth peaks lie, and the margin against locking: against differences on the same segments."""
 
 from __future__ import annotations
 
@@ -6,17 +6,21 @@ import dataclasses
 
 import numpy as np
 import pytest
+import sympy
 
 import gripper as gr
 from gripper.assemble import setting
 from gripper.contact.kinematics import Kinematics
 from gripper.motion.branch import Along, Branch
+from gripper.motion.locking import nearness
 from gripper.parameters import numbers, replaced
 from gripper.sensitivity.jet import jet
+from gripper.sensitivity.locking_rates import nearness_rates
 from gripper.sensitivity.peaks import Summit
 from gripper.sensitivity.seeds import Seeds
 from gripper.statics.newton import settle
-from tests.scenes import micro_assembly, rotating_finger
+from gripper_plugins.objects import Circle
+from tests.scenes import TAPERED, Q, micro_assembly, rotating_finger
 
 ROUGH, SLIPPERY = gr.Friction(coefficient=0.3), gr.Friction(coefficient=0.2)
 QUANTITIES = {
@@ -95,6 +99,52 @@ def test_it_moves_as_the_place_itself_does(motion):
         places = [summit(replaced(scene, {key: value + n * step}), extreme, name) for n in (-2, -1, 1, 2)]
         differences = np.dot([1, -8, 8, -1], places) / (12 * step)
         assert found.summary[f"{name}_at"] == pytest.approx(differences, rel=1e-5), name
+
+
+LOCKING = {
+    "I, on the lead face": micro_assembly(*np.linspace(0.086, 0.066, 7), friction=ROUGH),
+    "I, where the hook's corner begins to slip back": micro_assembly(
+        *np.linspace(0.086, 0.054, 7), 0.06, 0.07, theory="stretch", friction=ROUGH
+    ),
+}
+
+
+@pytest.mark.parametrize("motion", LOCKING)
+def test_the_locking_margin_has_the_derivatives_of_the_limiting_coefficient(motion):
+    scene = LOCKING[motion]
+    result = gr.trace(scene)
+    extreme, found = result.extremes.locking, result.sensitivities()
+    exact = nearness_rates(Seeds(scene, extreme.kept.setting, list(found)), extreme.kept.exact, extreme.value)
+    for i, key in enumerate(found):
+        value = numbers(scene)[key]
+        step, near = 1e-3 * (abs(value) or 0.01), []
+        for n in (-2, -1, 1, 2):
+            fixed, branch = branch_of(replaced(scene, {key: value + n * step}), extreme)
+            at = branch.at(extreme.parameter)
+            near.append(min((nearness(fixed, at, way) for way in (1, -1)), key=lambda each: abs(each - extreme.value)))
+        differences = np.dot([1, -8, 8, -1], near) / (12 * step)
+        assert exact[i] == pytest.approx(differences, rel=1e-5, abs=1e-6 / (abs(value) or 0.01)), key
+
+
+def test_the_least_margin_moves_with_the_place_where_slip_begins():
+    scene, key = LOCKING["I, where the hook's corner begins to slip back"], "object.radius"
+    found, value = gr.trace(scene).sensitivity(key).summary, numbers(scene)[key]
+    step = 1e-3 * value
+    there, back = (gr.trace(replaced(scene, {key: value + h})).summary() for h in (step, -step))
+    for name in ("locking_margin", "locking_margin_at"):
+        assert found[name] == pytest.approx((getattr(there, name) - getattr(back, name)) / (2 * step), rel=1e-4), name
+
+
+def test_frames_have_their_rates_of_any_order_also_where_poses_bend():
+    pose = {"x": 0.02 + Q**2, "y": sympy.sin(3 * Q), "angle": 0.3 - 2 * Q**3}
+    body = Circle(radius=0.01).at(x=Q, y=0.05 * sympy.exp(Q), angle=Q**2)
+    kinematics = Kinematics(gr.Scene(finger=TAPERED.at(**pose), object=body, motion=gr.Motion("q", (0.0, 1.0))), 0.2)
+    for exact, read in (
+        (kinematics.acceleration, lambda q: (kinematics.frame(q).velocity, kinematics.frame(q).spin)),
+        (kinematics.jerk, kinematics.acceleration),
+    ):
+        ahead, behind = (np.array(read(0.4 + h)) for h in (1e-5, -1e-5))
+        np.testing.assert_allclose(exact(0.4), (ahead - behind) / 2e-5, rtol=1e-7)
 
 
 def test_arrays_that_carry_a_rate_obey_the_rules_of_derivatives():

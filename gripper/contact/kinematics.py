@@ -95,13 +95,10 @@ class Kinematics:
         x, y, jolt, xo, yo, jolt_o = _compiled(*self._poses, (3,))(parameter)
         rate, turning = values[8], values[14]
         back = cmath.exp(-1j * values[2]) / self.length
-        drift, (gaining, _) = (
-            back * complex(values[15] - values[12], values[16] - values[13]),
-            self.acceleration(parameter),
-        )
+        drift = back * complex(values[15] - values[12], values[16] - values[13])
         gliding = frame.velocity + 1j * rate * frame.origin
         sweep = turning * gliding + rate * (drift - 1j * rate * gliding)
-        sweep += jolt * frame.origin + 2 * turning * frame.velocity + rate * gaining
+        sweep += jolt * frame.origin + 2 * turning * frame.velocity + rate * self.acceleration(parameter)[0]
         return back * complex(xo - x, yo - y) - 1j * rate * drift - 1j * sweep, jolt_o - jolt
 
     def frame(self, parameter: float) -> Frame:

@@ -8,7 +8,7 @@ contact are singular. The ratio at which they are, is the limiting coefficient.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -31,13 +31,12 @@ _TELLING = 1e-3  # a ratio from which the part of friction is told
 
 def free_slip(setting: Setting, equilibrium: Equilibrium, i: int) -> float:
     """The slip rate that a contact would have without friction."""
-    opened = _opened(setting, equilibrium, i, 0.0)
-    return float(slip_rates(opened)[i])
+    return float(slip_rates(opened(setting, equilibrium, i, 0.0))[i])
 
 
 def limiting_ratio(setting: Setting, equilibrium: Equilibrium, i: int, sign: float) -> float:
     """The least ratio of this sign at which a slipping contact is not moved by any force; infinite where none is."""
-    without = _opened(setting, equilibrium, i, 0.0).matrix()
+    without = opened(setting, equilibrium, i, 0.0).matrix()
     matrix, ratio = _with_ratio(setting, equilibrium, i)
     friction = (matrix - without) / ratio  # the matrix is linear in the ratio
     try:
@@ -54,22 +53,41 @@ def _with_ratio(setting: Setting, equilibrium: Equilibrium, i: int) -> tuple[Arr
     rubbing, grip = equilibrium.linear.rubbing, equilibrium.state.sites[i].grip
     if rubbing is not None and grip is not None and grip.hold == "slip" and abs(rubbing.ratios[i]) > _TELLING:
         return equilibrium.matrix(), rubbing.ratios[i]
-    return _opened(setting, equilibrium, i, 1.0).matrix(), 1.0
+    return opened(setting, equilibrium, i, 1.0).matrix(), 1.0
 
 
 def nearness(setting: Setting, equilibrium: Equilibrium, heading: float) -> float:
     """How near friction is to locking the finger: mu over its limiting value, of the contact where that is largest."""
-    nearest = 0.0
+    return max((limit.nearness for limit in limits(setting, equilibrium, heading)), default=0.0)
+
+
+@dataclass(frozen=True)
+class Limit:
+    """A contact (the number of the first of its group), its coefficient, and the ratio that would lock the finger."""
+
+    contact: int
+    mu: float
+    ratio: float  # with its sign
+
+    @property
+    def nearness(self) -> float:
+        """Mu over its limiting value; 1 at a limit point without friction."""
+        return self.mu / (abs(self.ratio) or self.mu)
+
+
+def limits(setting: Setting, equilibrium: Equilibrium, heading: float) -> list[Limit]:
+    """Where each contact locks the finger, if it slips on the way along the motion's parameter (its sign)."""
+    found = []
     for i in leaders(equilibrium):
         grip = grip_of(equilibrium, i)
-        side = -grip.sense if grip.sense else -heading * np.sign(free_slip(setting, equilibrium, i))
-        mu = coefficient(equilibrium, i)
-        nearest = max(nearest, mu / (limiting_ratio(setting, equilibrium, i, side) or mu))
-    return nearest
+        side = float(-grip.sense if grip.sense else -heading * np.sign(free_slip(setting, equilibrium, i)))
+        ratio = side * limiting_ratio(setting, equilibrium, i, side)
+        found.append(Limit(i, coefficient(equilibrium, i), ratio))
+    return found
 
 
-def _opened(setting: Setting, equilibrium: Equilibrium, i: int, ratio: float) -> Equilibrium:
-    """The linearisation with a fixed ratio at one group of contacts."""
+def opened(setting: Setting, equilibrium: Equilibrium, i: int, ratio: float) -> Equilibrium:
+    """The linearisation with a fixed ratio at one group of contacts, which is free to slip."""
     sites = list(equilibrium.state.sites)
     for j, site in enumerate(sites):
         grip = site.grip

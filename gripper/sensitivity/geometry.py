@@ -78,7 +78,7 @@ class Geometry:
         self._read(beam.lengths, beam.gauss, beam.coefficients(z), beam.base_turn(z))
 
     def moved(self, breaks: Array, coefficients: Array, base_turn: float) -> Geometry:
-        """The same of a finger that is straight at rest, carrying rates of segments' ends, coefficients, base's turn."""
+        """The same of a finger straight at rest, carrying rates of segments' ends, coefficients and base's turn."""
         moved, lengths = copy.copy(self), np.diff(breaks)
         along = (breaks[:-1, None] + lengths[:, None] * self.rule.along).ravel()
         moved._read(

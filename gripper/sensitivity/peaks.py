@@ -8,6 +8,8 @@ condition of the change.
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,8 +18,10 @@ from gripper.arrays import Array
 from gripper.contact.outline import LOWER, UPPER
 from gripper.contact.site import Site
 from gripper.motion.branch import Along, Branch
+from gripper.results.kept import Way
 from gripper.sensitivity.jet import Jet, NotFormedError, value_of
 from gripper.sensitivity.limits import FEEBLE, at_end
+from gripper.sensitivity.locking_rates import nearness_rates
 from gripper.sensitivity.numbers import Reading
 from gripper.sensitivity.second import along_motion
 from gripper.sensitivity.seeds import Seeds
@@ -37,13 +41,13 @@ _MEETING = 1e-5  # of L: how far a contact's twin on the next edge may be from t
 class Peaking:
     """Derivatives of what is largest, (p,) each; None where they are not known."""
 
-    value: Array | None
-    place: Array | None
+    value: Array | None = None
+    place: Array | None = None
     """Of the motion's parameter there."""
-    along: Array | None
+    along: Array | None = None
     """Of the place on the finger, in m."""
     missing: str | None = None
-    """What has no second derivatives, of a peak whose place moves with them."""
+    """Why some are not."""
 
 
 class Summit:
@@ -54,11 +58,15 @@ class Summit:
     seeds
         Of the numbers, with the motion's parameter after them where there is a motion.
     name
-        What is largest: "motion_force", "max_strain" or "force".
+        What is largest: "motion_force", "max_strain", "force" or "locking".
+    value
+        About what it is: of locking, which several contacts have.
+    way
+        The motion's steps, from which the other side of a change is known; None where they are not.
     """
 
-    def __init__(self, seeds: Seeds, name: str) -> None:
-        self.seeds, self.name = seeds, name
+    def __init__(self, seeds: Seeds, name: str, value: float = 0.0, way: Way | None = None) -> None:
+        self.seeds, self.name, self.value, self.way = seeds, name, value, way
         motion = seeds.scene.motion
         self.ends = (min(motion.values), max(motion.values)) if motion else None
 
@@ -71,11 +79,11 @@ class Summit:
         if parameter in self.ends:
             held = np.zeros(here.size - 1)
             return Peaking(here[:-1], held, self._along(equilibrium, held))
-        moving = _moving(self.seeds, equilibrium)
+        moving = self._moving(equilibrium, parameter)
         if moving is not None:
             return Peaking(here[:-1] + moving * here[-1], moving, self._along(equilibrium, moving))
         if self._rise(here, equilibrium) > _STATIONARY:
-            return Peaking(None, None, None)
+            return Peaking()
         return self._smooth(equilibrium, parameter)
 
     def _smooth(self, equilibrium: Equilibrium, parameter: float) -> Peaking:
@@ -86,7 +94,22 @@ class Summit:
             moving = -rates.rate[:-1] / rates.rate[-1]
             return Peaking(rates.value[:-1], moving, self._along(top, moving))
         held = along is not None and not along[-1]  # at the clamp, wherever the motion is
-        return Peaking(rates[:-1], None, along[:-1] if along is not None and held else None, missing)
+        why = f"where a smooth peak lies moves with second derivatives, which are not formed of {missing}"
+        return Peaking(rates[:-1], None, along[:-1] if along is not None and held else None, why)
+
+    def _moving(self, equilibrium: Equilibrium, parameter: float) -> Array | None:
+        """How the place of a change moves along the motion with each number; None where nothing is seen to change."""
+        seeds = self.seeds
+        for known in itertools.chain([equilibrium], _twins(seeds.setting, equilibrium), self._before(parameter)):
+            margin = _margin(seeds, known, seeds.solved(known).rates)
+            if margin is not None and margin[-1]:
+                moved: Array = -margin[:-1] / margin[-1]
+                return moved
+        return None
+
+    def _before(self, parameter: float) -> Iterable[Equilibrium]:
+        """The equilibria in which steps end there: with the hold that a contact had until it began to slip."""
+        return (after.equilibrium for _, after, _ in self.way.steps if after.parameter == parameter) if self.way else ()
 
     def _along(self, equilibrium: Equilibrium, moving: Array | None) -> Array | None:
         """Derivatives of where on the finger the strain is largest, in m, as the place of the motion moves."""
@@ -94,6 +117,8 @@ class Summit:
         return found if found is None or moving is None else found[:-1] + moving * found[-1]
 
     def _read(self, equilibrium: Equilibrium) -> Array:
+        if self.name == "locking":
+            return nearness_rates(self.seeds, equilibrium, self.value)
         return self._number(Reading(self.seeds, equilibrium))
 
     def _number(self, reading: Reading) -> Array:
@@ -102,6 +127,8 @@ class Summit:
 
     def _twice(self, equilibrium: Equilibrium) -> tuple[Array, str | None]:
         """The rates, carrying their own along the motion where these are formed, and for what they are not."""
+        if self.name == "locking":
+            return self._read(equilibrium), "locking, whose limit has second derivatives itself"
         try:
             return self._number(along_motion(self.seeds, equilibrium)), None
         except NotFormedError as error:
@@ -112,7 +139,7 @@ class Summit:
         scales = self.seeds.setting.sections
         speed, force = abs(equilibrium.obstacle.frame.velocity), abs(equilibrium.force)
         sizes = {"force": force * scales.force_scale, "motion_force": force * speed * scales.energy_scale}
-        size = sizes.get(self.name) or largest_strain(self.seeds.setting, equilibrium)[0]
+        size = sizes.get(self.name) or self.value or largest_strain(self.seeds.setting, equilibrium)[0]
         low, high = self.ends or (0.0, 0.0)
         return float(abs(here[-1]) * 1e-2 * (high - low) / size)
 
@@ -141,16 +168,6 @@ class Summit:
             if abs(value_of(here)[-1]) < abs(value_of(best)[-1]):
                 top, best = found, here
         return top, best, missing
-
-
-def _moving(seeds: Seeds, equilibrium: Equilibrium) -> Array | None:
-    """How the place of a change moves along the motion with each number; None where nothing is seen to change."""
-    for known in (equilibrium, *_twins(seeds.setting, equilibrium)):
-        margin = _margin(seeds, known, seeds.solved(known).rates)
-        if margin is not None and margin[-1]:
-            moved: Array = -margin[:-1] / margin[-1]
-            return moved
-    return None
 
 
 def _margin(seeds: Seeds, equilibrium: Equilibrium, found: Rates) -> Array | None:

@@ -152,7 +152,7 @@ class Seeds:
         """The same, carrying their rates with the parameter."""
         kinematics, known = self.kinematics, self.frames(parameter)
         frame, (turning, turning_on) = kinematics.frame(parameter), kinematics.turning(parameter)
-        gaining, spinning = kinematics.acceleration(parameter)
+        gaining = kinematics.acceleration(parameter)[0]
         held = 1j * self._shifts("finger")[1] + self.log_length
         drift = gaining + 1j * (turning_on * frame.origin + turning * frame.velocity)
         speeding = -drift * held - 1j * (turning_on * known.origin + turning * known.velocity)

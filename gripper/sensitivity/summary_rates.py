@@ -12,8 +12,10 @@ import numpy as np
 from gripper.arrays import Array
 from gripper.pose import placed
 from gripper.results.extremes import Extreme
+from gripper.results.kept import Way
 from gripper.results.summary import Summary
 from gripper.sensitivity.gap_rates import gap_rates, meeting_rates
+from gripper.sensitivity.jet import NotFormedError
 from gripper.sensitivity.memory import UnknownPastError
 from gripper.sensitivity.peaks import Peaking, Summit
 from gripper.sensitivity.seeds import Seeds
@@ -28,12 +30,9 @@ _NO_LOSS = 1e-6  # of the work put in: what is lost in less, without friction, i
 _COUNTED = ("parameter", "poses", "failed", "locked")
 _ABSENT = "the summary has none"
 _HELD = "it is largest where the finger snaps or a hold begins: how that place moves is not known"
-_SMOOTH = "where a smooth peak lies moves with second derivatives of the equations, which are not formed of"
+_NEAREST = "where the least distance lies moves with second derivatives, which are not formed of it"
 _LOST = "the equilibrium of the peak is not known"
 _LIMIT = "the peak is at a limit point, where derivatives are infinite"
-_LOCKING = (
-    "the coefficient that locks the finger changes with second derivatives of the equations, which are not formed"
-)
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,15 +63,14 @@ def summary_rates(result: Result, seeds: Seeds, keys: Sequence[str]) -> Rows:
         The numbers, p of them.
     """
     peaks, rows, summary = _extremes(result), Rows(), result.summary()
+    writing = _Peaks(rows, seeds, result.extremes.way if result.extremes else None, np.zeros(len(keys)))
     for name, what in _PEAKS.items():
-        _peak(rows, name, what, peaks.get(name), seeds, keys)
+        writing.put(name, what, peaks.get(name))
     _clearance(rows, result, peaks.get("clearance"), seeds, keys)
     _ratio(rows, summary)
     _margins(rows, result, keys)
     _work(rows, result, seeds, keys)
-    unlocked = np.zeros(len(keys)) if summary.locking_margin_at is None else None
-    for name in ("locking_margin", "locking_margin_at"):
-        rows.put(name, unlocked, _LOCKING)
+    writing.locking(peaks.get("locking"))
     for number in dataclasses.fields(Summary):
         if number.name not in _COUNTED and getattr(summary, number.name) is None:
             rows.known.pop(number.name, None)
@@ -91,7 +89,7 @@ _PEAKS = {
 def _extremes(result: Result) -> dict[str, Extreme | None]:
     """The peaks, with their equilibria: of one pose itself."""
     if result.extremes is not None:
-        return {name: getattr(result.extremes, name) for name in (*_PEAKS, "clearance")}
+        return {name: getattr(result.extremes, name) for name in (*_PEAKS, "clearance", "locking")}
     pose = result.poses[0]
     if len(result.poses) > 1 or pose.kept is None:
         return {}
@@ -100,32 +98,53 @@ def _extremes(result: Result) -> dict[str, Extreme | None]:
     return {name: Extreme(value=value, kept=pose.kept) for name, value in values.items()}
 
 
-def _peak(rows: Rows, name: str, what: str, peak: Extreme | None, seeds: Seeds, keys: Sequence[str]) -> None:
-    """A peak, where it is and, of the strain, where on the finger."""
-    if peak is None:
-        return
-    if peak.value == 0 and (peak.kept is None or what == "force"):  # nothing is touched, and nothing changes
-        rows.put(name, np.zeros(len(keys)), "")
-        return
-    found, reason = _located(peak, what, seeds)
-    sign = float(np.sign(drive(peak.kept.exact))) if peak.kept and what == "motion_force" else 1.0
-    rows.put(name, None if found is None or found.value is None else sign * found.value, reason or _HELD)
-    why = reason or (f"{_SMOOTH} {found.missing}" if found and found.missing else _HELD)
-    rows.put(f"{name}_at", found.place if found else None, why)
-    if name == "strain":
-        rows.put("strain_s", found.along if found else None, why)
+@dataclass(frozen=True, eq=False)
+class _Peaks:
+    """Writes the derivatives of peaks into rows."""
 
+    rows: Rows
+    seeds: Seeds
+    way: Way | None
+    none: Array  # (p,)
 
-def _located(peak: Extreme, what: str, seeds: Seeds) -> tuple[Peaking | None, str | None]:
-    """A peak's derivatives, or why there are none."""
-    if peak.kept is None:
-        return None, _LOST
-    try:
-        return Summit(seeds, what).rates(peak.kept.exact), None
-    except UnknownPastError as error:
-        return None, f"{error}: where it began to is not known by the scene's numbers"
-    except (NoEquilibriumError, np.linalg.LinAlgError):
-        return None, _LIMIT
+    def put(self, name: str, what: str, peak: Extreme | None) -> None:
+        """A peak, where it is and, of the strain, where on the finger."""
+        if peak is None:
+            return
+        if peak.value == 0 and (peak.kept is None or what == "force"):  # nothing is touched, and nothing changes
+            self.rows.put(name, self.none, "")
+            return
+        sign = float(np.sign(drive(peak.kept.exact))) if peak.kept and what == "motion_force" else 1.0
+        found = self._written(name, what, peak, sign)
+        if name == "strain":
+            self.rows.put("strain_s", found.along, found.missing or _HELD)
+
+    def locking(self, peak: Extreme | None) -> None:
+        """The margin against locking, where it is least; without friction it is 1."""
+        if peak is None or not peak.value:
+            self.rows.put("locking_margin", self.none, "")
+        else:
+            self._written("locking_margin", "locking", peak, -1.0)
+
+    def _written(self, name: str, what: str, peak: Extreme, sign: float) -> Peaking:
+        found = self._located(peak, what)
+        reason = found.missing or _HELD
+        self.rows.put(name, None if found.value is None else sign * found.value, reason)
+        self.rows.put(f"{name}_at", found.place, reason)
+        return found
+
+    def _located(self, peak: Extreme, what: str) -> Peaking:
+        """A peak's derivatives, or why there are none."""
+        if peak.kept is None:
+            return Peaking(missing=_LOST)
+        try:
+            return Summit(self.seeds, what, peak.value, self.way).rates(peak.kept.exact)
+        except NotFormedError as error:
+            return Peaking(missing=f"it changes with second derivatives, which are not formed of {error}")
+        except UnknownPastError as error:
+            return Peaking(missing=f"{error}: where it began to is not known by the scene's numbers")
+        except (NoEquilibriumError, np.linalg.LinAlgError):
+            return Peaking(missing=_LIMIT)
 
 
 def _clearance(rows: Rows, result: Result, least: Extreme | None, seeds: Seeds, keys: Sequence[str]) -> None:
@@ -137,7 +156,7 @@ def _clearance(rows: Rows, result: Result, least: Extreme | None, seeds: Seeds, 
     if least.value > 0:
         rates = gap_rates(seeds, least.kept.exact)[: len(keys)] if least.kept else None
         rows.put("clearance", rates, _LOST)
-        rows.put("clearance_at", none if held else None, _SMOOTH)
+        rows.put("clearance_at", none if held else None, _NEAREST)
         return
     rows.put("clearance", none, "")
     way = result.extremes.way if result.extremes else None
