@@ -23,10 +23,11 @@ from gripper.motion.trail import Trail
 from gripper.motion.watch import Watch
 from gripper.result import PoseResult
 from gripper.results.loop import Loop
-from gripper.statics.active import find
+from gripper.statics.active import find, held
 from gripper.statics.answer import Answer, discretisation_error
 from gripper.statics.certificate import Survey, survey
 from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, reckoned
+from gripper.statics.handed import handed_on
 from gripper.statics.newton import unloaded
 from gripper.statics.settling import settle_contacts
 from gripper.statics.snap import distance
@@ -188,7 +189,7 @@ class Tracker:
         travel = self._travel(self.parameter, following)
         expected = float(np.linalg.norm(guess.z - start.state.z))
         try:
-            found = self._at(following, guess)
+            found = self._at(following, self._handed(following, guess))
             if found.equilibrium.correction > 0.5 * expected + 0.05 * travel:
                 raise NoEquilibriumError("the step departs from its prediction")
         except NoEquilibriumError:
@@ -202,6 +203,12 @@ class Tracker:
                 before, after = self.here, Along(following, found.equilibrium)
                 check_unbroken(self.setting, self.path, before, after, self.order)
         return found
+
+    def _handed(self, following: float, guess: State) -> State:
+        """A predicted state with the contacts that it tells to be next, held as those that they continue."""
+        obstacle = self.setting.obstacle(self.path.frame(following))
+        handed = handed_on(self.setting, obstacle, guess)
+        return guess if handed is guess else held(self.setting, obstacle, self.current.equilibrium.state, handed)
 
     def _exchange(self, following: float, found: Verified) -> None:
         """Where one contact takes over from another within a step, go on to where both touch."""

@@ -158,7 +158,8 @@ class State:
         sites = tuple(itertools.compress(self.sites, keep))
         if sites and sites[0].grip:
             sites = sites[0].grip.law.grouped(sites)  # one that others followed may be gone
-        return replace(self, sites=sites, multipliers=np.concatenate(list(itertools.compress(self.loads, keep))))
+        kept = [np.empty(0), *itertools.compress(self.loads, keep)]
+        return replace(self, sites=sites, multipliers=np.concatenate(kept))
 
     def enriched(self) -> tuple[State, Index]:
         """The state among two modes more a field, and which of the unknowns are its own."""

@@ -1,0 +1,82 @@
+"""Contacts that a step changes, where its prediction tells: SLSQP need not look for those that are next.
+
+A contact that runs off its edge goes over to the corner there, one at a corner to the edge that comes down beside it,
+and one that would have to pull lets go.
+"""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import replace
+
+import numpy as np
+
+from gripper.contact.obstacle import Obstacle
+from gripper.contact.outline import UPPER, Outline, dot
+from gripper.contact.site import Site
+from gripper.statics.equilibrium import Setting, State
+
+_INSIDE = 0.5  # of an edge: no further from its corner is the place first looked for
+
+
+def handed_on(setting: Setting, obstacle: Obstacle, state: State) -> State:
+    """A predicted state with those contacts alone that press, on the neighbours that they go over to.
+
+    They go over where this leads from point to point: not on a face on which shear spreads the force, nor with an
+    object that has corners.
+
+    Parameters
+    ----------
+    setting, obstacle
+        The object where the state is predicted.
+    state
+        With the contacts that there were before; it is returned itself where all of them stay.
+    """
+    sites = state.sites
+    if not len(obstacle.corners):
+        sites = tuple(_handed(setting, obstacle, state, site) for site in sites)
+    handed = state if sites == state.sites else replace(state, sites=sites)
+    if min(state.multipliers.tolist(), default=1.0) > 0:
+        return handed
+    return handed.keeping([float(load[0]) > 0 for load in state.loads])
+
+
+def _handed(setting: Setting, obstacle: Obstacle, state: State, site: Site) -> Site:
+    """The contact, or its neighbour."""
+    if site.kind == "corner":
+        return _beside(setting, obstacle, state, site)
+    if site.kind != "tangent" or not _pointlike(setting, site.piece):
+        return site
+    end = min(max(site.place[0], 0.0), setting.outline.pieces[site.piece].length)
+    corner = None if end == site.place[0] else setting.outline.corner_at(site.piece, end)
+    return site if corner is None else replace(site, kind="corner", piece=corner, place=())
+
+
+def _pointlike(setting: Setting, piece: int) -> bool:
+    """Whether contacts on a piece stay points."""
+    return piece > UPPER or setting.theory == "bending"
+
+
+def _beside(setting: Setting, obstacle: Obstacle, state: State, site: Site) -> Site:
+    """A contact at a corner of the outline, or where the gap is least on an edge along which it falls from there."""
+    for piece, end, inwards in _edges(setting.outline, site.piece):
+        if not _pointlike(setting, piece):
+            continue
+        last = np.array([state.beam.segments - 1])
+        point, tangent, _ = setting.outline.trace(state.axis, np.array([piece]), np.array([end]), last)
+        _, normal, (own, conjugate) = obstacle.curvature(point)
+        along = inwards * tangent
+        fall, bend = -float(dot(normal, along)[0]), float(dot(along, own * along + conjugate * along.conj())[0])
+        if fall > 0 and bend > 0:
+            way = min(fall / bend, _INSIDE * setting.outline.pieces[piece].length)
+            return replace(site, kind="tangent", piece=piece, place=(end + inwards * way,))
+    return site
+
+
+@functools.lru_cache(maxsize=64)
+def _edges(outline: Outline, corner: int) -> list[tuple[int, float, int]]:
+    """The pieces beside a corner of the outline, the ends at which they meet it, and the way along them from there."""
+    ends = [
+        (piece, end, way) for piece, edge in enumerate(outline.pieces) for end, way in ((0.0, 1), (edge.length, -1))
+    ]
+    return [(piece, end, way) for piece, end, way in ends if outline.corner_at(piece, end) == corner]
