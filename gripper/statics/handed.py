@@ -22,8 +22,8 @@ _INSIDE = 0.5  # of an edge: no further from its corner is the place first looke
 def handed_on(setting: Setting, obstacle: Obstacle, state: State) -> State:
     """A predicted state with those contacts alone that press, on the neighbours that they go over to.
 
-    They go over where this leads from point to point: not on a face on which shear spreads the force, nor with an
-    object that has corners.
+    Only where points give way to points: not where shear spreads a force, whose patch has more than one way to shrink,
+    nor with an object that has corners, which rolls on to them (:mod:`gripper.statics.rolling`).
 
     Parameters
     ----------
@@ -32,13 +32,13 @@ def handed_on(setting: Setting, obstacle: Obstacle, state: State) -> State:
     state
         With the contacts that there were before; it is returned itself where all of them stay.
     """
-    sites = state.sites
-    if not len(obstacle.corners):
-        sites = tuple(_handed(setting, obstacle, state, site) for site in sites)
+    if len(obstacle.corners) or any(site.spreads for site in state.sites):
+        return state
+    sites = tuple(_handed(setting, obstacle, state, site) for site in state.sites)
     handed = state if sites == state.sites else replace(state, sites=sites)
     if min(state.multipliers.tolist(), default=1.0) > 0:
         return handed
-    return handed.keeping([float(load[0]) > 0 for load in state.loads])
+    return handed.keeping([load > 0 for load in state.multipliers.tolist()])
 
 
 def _handed(setting: Setting, obstacle: Obstacle, state: State, site: Site) -> Site:
