@@ -17,9 +17,10 @@ from gripper.contact.kinematics import Kinematics
 from gripper.contact.linear import linearise
 from gripper.contact.site import Site
 from gripper.motion.branch import pointed as settled_as_points
-from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, kkt_step
+from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, carried_matrix, kkt_step
 from gripper.statics.newton import settle
 from gripper.statics.patches import fit_patches
+from gripper.statics.steps import advanced
 from gripper_plugins.objects.circle import Circle
 from gripper_plugins.objects.polygon import Polygon
 from tests.scenes import Q, Solved, follow, micro_assembly, rotating_finger, unit_finger
@@ -108,8 +109,21 @@ def test_newton_s_step_solves_the_linearised_equations(name: str) -> None:
     )
     left, lin = residual(equilibrium, state)
     step = np.concatenate(kkt_step(state, lin))
-    matrix = replace(equilibrium, state=state, linear=lin).matrix()
+    matrix = carried_matrix(state, lin)
     assert matrix @ step == pytest.approx(-left, abs=1e-10 * max(1.0, np.abs(matrix).max() * np.abs(step).max()))
+
+
+def test_newton_s_step_carries_the_kink_at_a_point_in_shear_along_with_it() -> None:
+    """Steps that held the segments still would shrink to a fifth each."""
+    setting, equilibrium = known("patch")
+    state, sizes = settled_as_points(setting, equilibrium, 4).state, []
+    state = advanced(setting, state, (0 * state.z, 0 * state.multipliers, np.array([0.02])))
+    for _ in range(3):
+        lin = linearise(state.beam, state.z, setting.outline, equilibrium.obstacle, state.sites, state.multipliers)
+        step = kkt_step(state, lin)
+        sizes.append(abs(float(step[2][0])))
+        state = advanced(setting, state, step)
+    assert sizes[2] < 0.02 * sizes[1]
 
 
 @names

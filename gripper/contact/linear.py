@@ -67,10 +67,9 @@ def _nothing(size: int) -> Linearisation:
     """The linearisation of a finger that touches nothing."""
     none, wide, square = np.zeros(0), np.zeros((0, size)), np.zeros((0, 0))
     forces = np.zeros(size) + 0j, none + 0j, none + 0j
-    whole = np.zeros((size, size))
-    return Linearisation(
-        none, wide, square, none, wide, square, wide.T, whole, none, none, np.zeros(size), *forces, (), (), (), wide
-    )
+    gaps, places, whole = (none, wide, square), (none, wide, square), np.zeros((size, size))
+    rates = none, none, np.zeros(size)
+    return Linearisation(*gaps, *places, wide.T, wide.T, whole, *rates, *forces, (), (), (), wide)
 
 
 def _places(site: Site, order: int) -> Array:

@@ -64,6 +64,7 @@ class Stations:
     curvatures: Complex  # c'', (k,)
     gradients: Complex  # c_z, (k, n)
     tangent_gradients: Complex  # c'_z, (k, n)
+    strained: Complex  # the part of c'_z that comes of the strains at the section itself, (k, n)
     position: Array  # (k, g)
     offsets: Complex  # P exp(i psi), (k,)
     psi: Array  # (k, n)
@@ -230,25 +231,27 @@ class Outline:
         turn = np.exp(1j * psi)
         own, e0, e1 = course(turn, strains), P * turn, P1 * turn
         ie0, ie1 = 1j * e0, 1j * e1
-        # dc'/d(psi, gamma, kappa), and by eps; what the strains at the section do is nothing to a rigid piece
-        by_strain = [own.along, own.by_shear, ie0]
+        # dc'/d(gamma, kappa), and by eps; what the strains at the section do is nothing to a rigid piece
+        along, by_strain = own.along, [own.by_shear, ie0]
         kappa, kappa1, bend = strains[1], strains[2], own.bend
-        maps = rows.strains[:3]
+        maps = rows.strains[1:3]
         if own.by_stretch is not None:
             by_strain.append(own.by_stretch)
-            maps = rows.strains[[0, 1, 2, 5]]
+            maps = rows.strains[[1, 2, 5]]
         flexible = piece <= UPPER
         if not flexible.all():
-            kappa, kappa1, bend, *by_strain = (value * flexible for value in (kappa, kappa1, bend, *by_strain))
-        along = by_strain[0]
-        by_strain[0] = 1j * along + ie1 - kappa * e0
+            along, kappa, kappa1, bend, *by_strain = (
+                value * flexible for value in (along, kappa, kappa1, bend, *by_strain)
+            )
+        strained = np.einsum("ck,ckn->kn", np.array(by_strain), maps)
         position, moving = axis.integrated(rows.position)
         return Stations(
             position + e0,
             along + e1 + kappa * ie0,
             bend + P2 * turn + 2 * kappa * ie1 + kappa1 * ie0 - kappa**2 * e0,
             moving + ie0[:, None] * rows.strains[0],
-            np.einsum("ck,ckn->kn", np.array(by_strain), maps),
+            (1j * along + ie1 - kappa * e0)[:, None] * rows.strains[0] + strained,
+            strained,
             rows.position,
             e0,
             rows.strains[0],

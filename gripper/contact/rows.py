@@ -33,6 +33,7 @@ class Linearisation:
     residual_gradients: Array  # R_z, (k, n)
     residual_slopes: Array  # R_u, (k, k)
     load_slopes: Array  # d(C_z^T lambda)/du, (n, k)
+    carried_slopes: Array  # the same with V's part, where the ends of the segments are carried along by the places
     hessian: Array  # sum lambda C_zz at fixed places, (n, n)
     value_rates: Array  # dC/dq, (m,)
     residual_rates: Array  # dR/dq, (k,)
@@ -60,6 +61,7 @@ class Linearisation:
             gradients=gradients,
             residual_gradients=self.residual_gradients[:, kept],
             load_slopes=self.load_slopes[kept],
+            carried_slopes=self.carried_slopes[kept],
             hessian=self.hessian[kept[:, None], kept],
             load_rates=self.load_rates[kept],
             force_gradient=self.force_gradient[kept],
@@ -222,6 +224,19 @@ class System:
         self.extra -= force * side * (mixed + mixed.T + height * np.outer(turn_z, turn_z))
         self.corners[i] = n, turn_z, turn_u
 
+    def _carried_slopes(self) -> Array:
+        """The loads' slopes by places that carry the ends of their segments along.
+
+        What a force does to the strains at its own section is what these give way with: as the segments' end moves
+        with it, V's gradient changes by as much, and both drop out.
+        """
+        carried = self.load_slopes
+        for site, (span, _, column) in zip(self.sites, self.layout, strict=True):
+            if site.on_face and site.kind == "tangent":
+                carried = carried.copy() if carried is self.load_slopes else carried
+                carried[:, column] -= dot(self.pull[span.start], self.stations.strained[span.start])
+        return carried
+
     def linearisation(self, hessian: Array, queries: list[Array]) -> Linearisation:
         """The finished arrays, with the contact forces point by point."""
         ends = [site.unknown_places if site.spreads else 0 for site in self.sites]
@@ -234,6 +249,7 @@ class System:
             self.residual_gradients,
             self.residual_slopes,
             self.load_slopes,
+            self._carried_slopes(),
             hessian,
             self.value_rates,
             self.residual_rates,

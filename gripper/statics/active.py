@@ -12,7 +12,7 @@ from gripper.contact.obstacle import Obstacle
 from gripper.statics.candidates import active_sets, violated
 from gripper.statics.certificate import Survey, survey
 from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, anchored
-from gripper.statics.nearby import everywhere, near
+from gripper.statics.nearby import near
 from gripper.statics.newton import settle
 from gripper.statics.problem import Problem
 from gripper.statics.settling import settle_contacts
@@ -21,8 +21,6 @@ from gripper.statics.verified import PULL, Verified, verify
 _ROUNDS = 5
 _PATIENCE = 40  # SLSQP takes 8 to 15 iterations where it gets somewhere
 _COARSE = 1e-6  # SLSQP only has to tell who touches: Newton does the rest
-_NAMING = 1e-3  # the same beside an equilibrium that is known to a hundredth
-_SAME = 0.05  # of L and of |z|: what SLSQP, and the patch that a point becomes, may be off by
 _SETTLING = 20  # evaluations that a set of contacts costs that is none
 REACH = 0.05
 """Stretches of outline this near to the object (by L) are candidates from the start; the survey adds others."""
@@ -70,28 +68,6 @@ def find(setting: Setting, obstacle: Obstacle, start: State, order: int, known: 
             break
         candidates += more
     raise NoEquilibriumError(reason, effort)
-
-
-def confirmed(setting: Setting, obstacle: Obstacle, near_it: State, order: int) -> Verified:
-    """The equilibrium beside a state whose only contact SLSQP names, too, when it starts from there.
-
-    Raises
-    ------
-    NoEquilibriumError
-        Where SLSQP names others, or none of this contact is found that verifies.
-    """
-    state, site = State(near_it.beam, near_it.z), near_it.sites[0]
-    problem = Problem(setting, obstacle, state, everywhere(setting, state))
-    answer = minimize(**problem.scipy(_NAMING, _PATIENCE))
-    sites, _ = next(active_sets(setting, problem, answer.x, np.atleast_1d(answer.multipliers)), ((), ()))
-    if [(s.kind, s.piece) for s in sites] != [(site.kind, site.piece)]:
-        raise NoEquilibriumError("SLSQP names other contacts")
-    if abs(sites[0].middle - site.middle) > _SAME:
-        raise NoEquilibriumError("SLSQP names another place")
-    settled = settle_contacts(setting, obstacle, near_it, order, judged=True)
-    if settled.correction > _SAME * float(np.linalg.norm(settled.state.z)):
-        raise NoEquilibriumError("the step departs from its prediction")
-    return verify(setting, replace(settled, iterations=int(answer.nit) + settled.iterations))
 
 
 def _loaded(setting: Setting, settled: Equilibrium, order: int) -> Equilibrium:

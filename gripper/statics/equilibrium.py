@@ -187,17 +187,21 @@ class Equilibrium:
     """The state among more modes, and its linearisation there, where the error was to be estimated."""
 
     def matrix(self) -> Array:
-        """The KKT matrix in (z, lambda, u)."""
-        return _matrix(self.state, self.linear)
+        """The KKT matrix in (z, lambda, u), the segments held still."""
+        return _matrix(self.state, self.linear, self.linear.load_slopes)
 
     def tangent(self) -> Step:
-        """Rates of z, the multipliers and the places with the motion's parameter, the segments held still."""
+        """Rates of z, the multipliers and the places with the motion's parameter.
+
+        Those of z are at segments held still, as of a shape whose kinks are carried along by the places.
+        """
         return self._tangent
 
     @functools.cached_property
     def _tangent(self) -> Step:
         lin = self.linear
-        rates = solved(self.matrix(), np.concatenate([lin.load_rates, -lin.value_rates, -lin.residual_rates]))
+        right = np.concatenate([lin.load_rates, -lin.value_rates, -lin.residual_rates])
+        rates = solved(carried_matrix(self.state, lin), right)
         if rates is None:
             raise np.linalg.LinAlgError("the tangent is vertical")
         return _split(rates, lin)
@@ -258,11 +262,16 @@ def reckoned() -> Iterator[None]:
         raise NoEquilibriumError(f"the arithmetic breaks down: {error}") from error
 
 
-def _matrix(state: State, lin: Linearisation) -> Array:
+def carried_matrix(state: State, lin: Linearisation) -> Array:
+    """The KKT matrix in (z, lambda, u) of a finger whose segments' ends are carried along by the places."""
+    return _matrix(state, lin, lin.carried_slopes)
+
+
+def _matrix(state: State, lin: Linearisation, load_slopes: Array) -> Array:
     n, m, k = lin.gradients.shape[1], len(lin.values), len(lin.residuals)
     matrix = np.zeros((n + m + k, n + m + k), order="F")  # as LAPACK has it
     np.subtract(state.energy_hessian, lin.hessian, out=matrix[:n, :n])
-    matrix[:n, n : n + m], matrix[:n, n + m :] = -lin.loads.T, -lin.load_slopes
+    matrix[:n, n : n + m], matrix[:n, n + m :] = -lin.loads.T, -load_slopes
     matrix[n : n + m, :n], matrix[n : n + m, n + m :] = lin.gradients, lin.value_slopes
     matrix[n + m :, :n], matrix[n + m :, n + m :] = lin.residual_gradients, lin.residual_slopes
     return matrix
@@ -274,14 +283,16 @@ def _split(step: Array, lin: Linearisation) -> Step:
 
 
 def kkt_step(state: State, lin: Linearisation, *, held: bool = False) -> Step:
-    """Newton's step in z, multipliers and places; in z and multipliers alone with the places held.
+    """Newton's step in z, multipliers and places, which carry the ends of their segments along.
+
+    In z and multipliers alone with the places held.
 
     Raises
     ------
     NoEquilibriumError
         Where the system is singular.
     """
-    matrix = _matrix(state, lin)
+    matrix = carried_matrix(state, lin)
     left = np.concatenate([state.energy_gradient - lin.load(state.multipliers), lin.values, lin.residuals])
     if held:
         first = len(left) - len(lin.residuals)

@@ -12,14 +12,21 @@ from gripper.beam.axis import Axis
 from gripper.contact.obstacle import Obstacle
 from gripper.contact.outline import LOWER, UPPER, dot, outward
 from gripper.contact.site import Site
-from gripper.statics.certificate import Survey
+from gripper.statics.certificate import Survey, first_look
 from gripper.statics.equilibrium import Setting, State
 from gripper.statics.problem import Candidate, Problem
 
+_FLAT = 1e-6  # least |grad g| that a gap is divided by to be a distance
 _FEET = 6  # Newton steps to the foot of a normal
 _GRAZED = 0.05  # of L: how much wider than the least sampled gap is looked at
 _MARKS = np.linspace(0.0, 1.0, 33)  # of a stretch: where it is looked at for hollows of the object
 _HOLLOW = 1e-5  # of L: a gap that rises by less between two minima has one
+
+
+def sampled_gap(setting: Setting, obstacle: Obstacle, state: State) -> float:
+    """The least gap at samples along the outline, by L: between them it may be less."""
+    g, normal = obstacle.slope(first_look(setting, state).points)
+    return float((g / np.maximum(np.abs(normal), _FLAT)).min())
 
 
 def least_gaps(setting: Setting, obstacle: Obstacle, state: State, found: Survey) -> list[tuple[float, Site]]:
@@ -50,15 +57,6 @@ def near(setting: Setting, obstacle: Obstacle, state: State, found: Survey, reac
         gaps = obstacle.gap(points)
         candidates += [Candidate("corner", int(n)) for n, gap in zip(numbers, gaps, strict=True) if gap < reach]
     return tuple(candidates) + (_vertices(setting, obstacle, axis, found, reach) if cornered else ())
-
-
-def everywhere(setting: Setting, state: State) -> tuple[Candidate, ...]:
-    """All of the outline, without a look at where a smooth object is: each segment of the faces, edges and corners."""
-    outline, breaks = setting.outline, state.beam.breaks
-    spans = [(face, *span) for face in (LOWER, UPPER) for span in itertools.pairwise(breaks)]
-    spans += [(piece, 0.0, outline.pieces[piece].length) for piece in range(UPPER + 1, len(outline.pieces))]
-    stretches = [Candidate("stretch", *span) for span in spans]
-    return (*stretches, *(Candidate("corner", outline.corner_piece(i)) for i in range(len(outline.corners))))
 
 
 def _stretches(setting: Setting, state: State, found: Survey, reach: float) -> list[Candidate]:

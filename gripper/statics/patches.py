@@ -26,6 +26,7 @@ _STRAIGHT = 1e-9  # curvature times L
 DECAYED = 10.5  # of sqrt(EI / GA): as far as a pressure that decays is followed (what is left bends the rest by 1e-7)
 _LOOSE = 1.4  # by as much more or less a tail may reach before it is cut anew
 _LOOKS = 3  # each 32 times as close
+_AT_BREAK = 1e-6  # of L: a point this near to the end of a segment is there
 _TURNED = 1e-3  # rad: a flat that turns by more has ended
 
 
@@ -39,11 +40,11 @@ def fit_patches(setting: Setting, equilibrium: Equilibrium) -> tuple[Site, ...]:
     if setting.theory == "bending":
         return equilibrium.state.sites
     sites, column, after, row, below = [], 0, 0, 0, 0
-    for i, site in enumerate(equilibrium.state.sites):
+    for site in equilibrium.state.sites:
         column, after, row, below = after, after + site.unknowns, below, below + site.multipliers
         if site.kind == "tangent" and site.on_face:
-            force = abs(complex(equilibrium.linear.forces[i].sum()))
             steepness = abs(complex(equilibrium.linear.force_multipliers[row]))  # g need not be a distance
+            force = steepness * abs(float(equilibrium.state.multipliers[row]))
             curvature = float(equilibrium.linear.residual_slopes[column, column]) / steepness
             site = _patch(setting, equilibrium, site, force, curvature)
         elif site.kind == "patch" and site.place[1] - site.place[0] < PATCH / 2:
@@ -121,6 +122,25 @@ def flat_until(setting: Setting, obstacle: Obstacle, state: State, site: Site, r
             return stop
         start, stop = float(u[np.argmax(turned) - 1]), float(u[np.argmax(turned)])
     return start
+
+
+def spread_out(setting: Setting, state: State, sites: tuple[Site, ...]) -> State:
+    """The state with points spread to patches, over which strains go from those before the point to those behind it."""
+    old, found = state.beam, with_sites(state, sites)
+    beam = setting.beam(sites, old.order)
+    s, segment = beam.gauss, old.segment_of(beam.gauss)
+    strains = old.strains(state.z, s, segment)
+    for point, patch in zip(state.sites, sites, strict=True):
+        if point.kind != "tangent" or patch.kind != "patch":
+            continue
+        behind = min(range(1, old.segments), key=lambda i: abs(old.breaks[i] - point.place[0]), default=0)
+        within = (s > patch.place[0]) & (s < patch.place[1])
+        if not behind or abs(old.breaks[behind] - point.place[0]) > _AT_BREAK:
+            continue
+        along = (s[within] - patch.place[0]) / (patch.place[1] - patch.place[0])
+        before, after = (old.strains(state.z, s[within], np.full(along.size, i)) for i in (behind - 1, behind))
+        strains[:, within] = (1 - along) * before + along * after
+    return replace(found, beam=beam, z=beam.fit(strains, old.base_turn(state.z)))
 
 
 def with_sites(state: State, sites: tuple[Site, ...]) -> State:

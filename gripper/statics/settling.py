@@ -6,28 +6,36 @@ from dataclasses import replace
 
 from gripper.contact.linear import linearise
 from gripper.contact.obstacle import Obstacle
+from gripper.contact.rows import Linearisation
 from gripper.contact.site import Site
 from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, State
 from gripper.statics.newton import settle
-from gripper.statics.patches import PATCH, fit_patches, with_sites
+from gripper.statics.patches import PATCH, fit_patches, spread_out, with_sites
 from gripper.statics.rolling import rolled_ahead, rolled_on
 
 _POINTLIKE = 5 * PATCH
 
 
 def settle_contacts(
-    setting: Setting, obstacle: Obstacle, state: State, order: int, *, judged: bool = False
+    setting: Setting,
+    obstacle: Obstacle,
+    state: State,
+    order: int,
+    *,
+    judged: bool = False,
+    known: Linearisation | None = None,
 ) -> Equilibrium:
     """Settle, and again where the object rolls on to another corner, a point must become a patch or a patch a point.
 
-    With ``judged`` for an estimate of the error (:func:`gripper.statics.newton.settle`).
+    With ``judged`` for an estimate of the error (:func:`gripper.statics.newton.settle`). What is ``known`` of the same
+    contacts nearby tells how far points are going to spread.
 
     Raises
     ------
     NoEquilibriumError
         Where Newton does not converge.
     """
-    foreseen = rolled_ahead(setting, obstacle, _foreseen(setting, obstacle, state))
+    foreseen = rolled_ahead(setting, obstacle, _foreseen(setting, obstacle, state, known))
     try:
         found = settle(setting, obstacle, foreseen, order, judged=judged)
     except NoEquilibriumError:
@@ -53,10 +61,11 @@ def _pointlike(site: Site) -> bool:
     return site.kind == "patch" and site.place[1] - site.place[0] < _POINTLIKE
 
 
-def _foreseen(setting: Setting, obstacle: Obstacle, state: State) -> State:
+def _foreseen(setting: Setting, obstacle: Obstacle, state: State, known: Linearisation | None) -> State:
     """Points on faces as the short patches that they are going to be, so that Newton need not find the points first."""
     if setting.theory == "bending" or not any(s.kind == "tangent" and s.on_face for s in state.sites):
         return state
-    lin = linearise(state.beam, state.z, setting.outline, obstacle, state.sites, state.multipliers, kinks=False)
-    sites = fit_patches(setting, Equilibrium(state, obstacle, lin, 0))
-    return with_sites(state, sites) if all(site.kind != "tail" for site in sites) else state
+    if known is None:
+        known = linearise(state.beam, state.z, setting.outline, obstacle, state.sites, state.multipliers, kinks=False)
+    sites = fit_patches(setting, Equilibrium(state, obstacle, known, 0))
+    return spread_out(setting, state, sites) if all(site.kind != "tail" for site in sites) else state
