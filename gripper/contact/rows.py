@@ -228,11 +228,11 @@ class System:
         """The loads' slopes by places that carry the ends of their segments along.
 
         What a force does to the strains at its own section is what these give way with: as the segments' end moves
-        with it, V's gradient changes by as much, and both drop out.
+        with it, V's gradient changes by as much, and both drop out. With friction slip is told by segments held still.
         """
         carried = self.load_slopes
         for site, (span, _, column) in zip(self.sites, self.layout, strict=True):
-            if site.on_face and site.kind == "tangent":
+            if site.on_face and site.kind == "tangent" and site.grip is None:
                 carried = carried.copy() if carried is self.load_slopes else carried
                 carried[:, column] -= dot(self.pull[span.start], self.stations.strained[span.start])
         return carried
