@@ -9,10 +9,11 @@ from gripper.contact.obstacle import Frame
 from gripper.motion.leap import leap, leaps, met
 from gripper.motion.tracker import tracker_for
 from gripper.statics.answer import Answer
-from gripper.statics.certificate import DEPTH, survey
+from gripper.statics.certificate import survey
 from gripper.statics.equilibrium import NoEquilibriumError, Setting
 from gripper.statics.nearby import sampled_gap
 from gripper.statics.newton import unloaded
+from gripper.statics.sampling import DEPTH
 from gripper.statics.verified import Verified, stability, untouched
 
 HELD = "the object holds the finger"

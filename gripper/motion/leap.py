@@ -19,9 +19,10 @@ from gripper.contact.obstacle import Obstacle
 from gripper.contact.outline import UPPER, dot
 from gripper.contact.rows import Linearisation
 from gripper.contact.site import Site
-from gripper.statics.certificate import DEPTH, Survey, survey
+from gripper.statics.certificate import Survey, survey
 from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, Step, kkt_step, reckoned
 from gripper.statics.nearby import sampled_gap
+from gripper.statics.sampling import DEPTH
 from gripper.statics.settling import settle_contacts
 from gripper.statics.steps import advanced, largest
 from gripper.statics.verified import Verified, objection, verify

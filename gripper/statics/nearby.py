@@ -12,9 +12,10 @@ from gripper.beam.axis import Axis
 from gripper.contact.obstacle import Obstacle
 from gripper.contact.outline import LOWER, UPPER, dot, outward
 from gripper.contact.site import Site
-from gripper.statics.certificate import Survey, first_look
+from gripper.statics.certificate import Survey
 from gripper.statics.equilibrium import Setting, State
 from gripper.statics.problem import Candidate, Problem
+from gripper.statics.sampling import first_look
 
 _FLAT = 1e-6  # least |grad g| that a gap is divided by to be a distance
 _FEET = 6  # Newton steps to the foot of a normal
