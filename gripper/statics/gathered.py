@@ -42,23 +42,50 @@ def gathered(setting: Setting, obstacle: Obstacle, start: State, guess: State, o
         Where none is found that verifies.
     """
     known: tuple[Candidate, ...] = ()
+    guesses = [guess]
     for _ in range(_ROUNDS):
-        equilibrium = settle_contacts(setting, obstacle, guess, order)
+        equilibrium = _settled(setting, obstacle, guesses, order)
         state = equilibrium.state
         least = PULL * float(np.max(np.abs(state.multipliers), initial=0.0))
         keep = [float(load.min()) >= -least for load in state.loads]
         if not any(keep):
             raise NoEquilibriumError("no contact presses")
         if not all(keep):
-            guess = held(setting, obstacle, start, state.keeping(keep))  # what carries on in its place holds as it did
+            left = held(setting, obstacle, start, state.keeping(keep))  # what carries on in its place holds as it did
+            guesses = [left]
             continue
         candidate, come = _penetrated(setting, equilibrium, known)
         if come is None:
             return verify(setting, equilibrium)
         known += candidate
-        sites = (*state.sites, replace(come, grip=None))
-        guess = held(setting, obstacle, start, State(state.beam, state.z, sites, np.append(state.multipliers, 0.0)))
+        guesses = [held(setting, obstacle, start, choice) for choice in _taken_in(state, replace(come, grip=None))]
     raise NoEquilibriumError("the contacts come and go without end")
+
+
+def _settled(setting: Setting, obstacle: Obstacle, guesses: list[State], order: int) -> Equilibrium:
+    """The equilibrium from the first guess from which Newton's method finds one."""
+    for guess in guesses[:-1]:
+        try:
+            return settle_contacts(setting, obstacle, guess, order)
+        except NoEquilibriumError:
+            pass  # the next guess
+    return settle_contacts(setting, obstacle, guesses[-1], order)
+
+
+def _taken_in(state: State, come: Site) -> list[State]:
+    """The state with one more contact; before that, where an object rolls from a corner to its side, with that alone.
+
+    Both hold the face in all but one place and direction: together Newton's method hardly finds them.
+    """
+    sites, loads = state.sites, state.loads
+    mine = [i for i, s in enumerate(sites) if s.piece == come.piece and {s.kind, come.kind} == {"vertex", "tangent"}]
+    out = [replace(state, sites=(*sites, come), multipliers=np.append(state.multipliers, 0.0))]
+    if mine:
+        i = min(mine, key=lambda i: abs(sites[i].middle - come.middle))
+        rolled = (*sites[:i], come, *sites[i + 1 :])
+        multipliers = np.concatenate([*loads[:i], [loads[i][0]], *loads[i + 1 :]])
+        out.insert(0, replace(state, sites=rolled, multipliers=multipliers))
+    return out
 
 
 def _penetrated(
