@@ -11,6 +11,7 @@ from gripper.contact.features import Feature
 from gripper.contact.site import Site
 from gripper.motion.branch import SHARP, Along, Path, bracketed, branch_from, joined, number, released
 from gripper.motion.pinned import Pin
+from gripper.statics.contact_forces import normal_force
 from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting
 from gripper.statics.nearby import vertex_height
 from gripper.statics.rolling import corners_along, strongest_alone
@@ -183,7 +184,7 @@ def _turned(
 
     def turn(parameter: float) -> float:
         there = branch.at(parameter)
-        pressing = complex(there.linear.forces[i].sum()) / np.exp(1j * there.obstacle.frame.angle)
+        pressing = normal_force(there, i) / np.exp(1j * there.obstacle.frame.angle)
         return float((slope.conjugate() * pressing).imag) * towards
 
     # it may have been kept at the corner a hair beyond, within the penetration allowed

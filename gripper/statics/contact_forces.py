@@ -23,6 +23,13 @@ def loads(equilibrium: Equilibrium) -> tuple[Complex, Complex]:
     return np.concatenate([none, *lin.points]), np.concatenate([none, *lin.forces])
 
 
+def normal_force(equilibrium: Equilibrium, i: int) -> complex:
+    """The normal part of the total force on the finger at a contact."""
+    lin = equilibrium.linear
+    force = complex(lin.forces[i].sum())
+    return force if lin.rubbing is None else force / (1 - 1j * lin.rubbing.ratios[i])
+
+
 def drive(equilibrium: Equilibrium) -> float:
     """Work that the object puts into the finger per unit of the parameter: -(F . v + M omega)."""
     points, forces = loads(equilibrium)
