@@ -277,3 +277,51 @@ def test_of_two_bumps_under_a_face_the_lower_one_hides_none_however_long_the_ste
         assert math.dist(contact.point, higher) == pytest.approx(0.014, abs=1e-6)
         assert end.min_gap > -1e-6 * TAPERED.length
     assert ends[0].force_on_object == pytest.approx(ends[1].force_on_object, rel=1e-6)
+
+
+# what is rigid sticks as one
+
+
+@pytest.mark.parametrize(
+    ("mu", "height", "drift", "turn", "told"),
+    [
+        (0.8, 0.0005, -0.03, 0.05, ["touch", "touch", "stick", "release"]),
+        (0.8, 0.0015, 0.08, 0.03, ["touch", "touch", "release", "stick", "touch", "release"]),
+    ],
+)
+def test_a_bump_that_comes_where_none_may_slip_makes_all_stick_to_the_jaw(mu, height, drift, turn, told):
+    """On a rigid jaw no contact slips while another sticks: the one takes over from the other, stuck; it is no snap."""
+    bumps = Union(parts=(*(Circle(radius=0.02).at(x=x) for x in (-0.07, 0.07)), Circle(radius=0.02).at(y=height)))
+    target = bumps.at(x=1.1 + drift * Q, y=-0.155 + 0.05 * Q, angle=turn * Q)
+    motion = gr.Motion("q", (-0.2, 0.3, 0.6, 0.8, 0.6, 0.3))
+    friction = gr.Friction(coefficient=mu)
+    scene = gr.Scene(finger=unit_finger(jaw=EDGE), object=target, motion=motion, theory="bending", friction=friction)
+    there = gr.trace(scene)
+    assert kinds(there)[: len(told)] == told and "snap" not in kinds(there)
+    for pose in there.poses:
+        check_coulomb(pose, lambda _: mu)
+    assert balance(there.poses).max() < 1e-3
+
+
+@pytest.mark.parametrize("parts", [1, 2])
+def test_where_two_bumps_turn_the_motion_both_stick_however_long_the_first_step_back_is(parts):
+    """Ratios run from mu to -mu within 1e-6 of the way: neither bump lets go before."""
+    values = (-0.2, 0.3, 0.6, 0.8, *np.linspace(0.8, 0.6, parts + 1)[1:])
+    there = on_two_bumps(0.133, values, drift=0.0545, turn=0.0568)
+    assert len(there.poses[3].contacts) == 2
+    assert "snap" not in kinds(there)
+    for pose in there.poses:
+        check_coulomb(pose, lambda _: 0.133)
+    assert balance(there.poses).max() < 1e-3
+
+
+def test_work_of_a_pin_that_slips_off_a_corner_is_booked_however_steeply_its_force_falls():
+    """A pin as small as the steps passes from edge to edge over corners, and off the last of them."""
+    jaw = PolygonJaw(vertices=((0, -0.03), (0.05, -0.11), (0.17, -0.1), (0.25, -0.05), (0.28, -0.03)))
+    pin = Circle(radius=0.02).at(x=1.45 - 0.4 * Q, y=-0.105)
+    motion = gr.Motion("q", tuple(np.linspace(0, 1.4, 9).tolist()))
+    friction = gr.Friction(coefficient=0.5)
+    scene = gr.Scene(finger=unit_finger(jaw=jaw), object=pin, motion=motion, theory="bending", friction=friction)
+    result = gr.trace(scene)
+    assert "change" in kinds(result) and kinds(result)[-1] == "release"
+    assert balance(result.poses).max() < 2e-4

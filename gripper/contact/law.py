@@ -1,7 +1,9 @@
 """Coulomb's law on one finger: mu along its outline, and which contacts share one hold.
 
 Contacts that conform, those on one rigid edge, and a patch with the tip's corner in which it ends hold together: rigid
-sticking would leave each one's part of the friction undetermined.
+sticking would leave each one's part of the friction undetermined. So do all that stick to what is rigid, the jaw and
+the end section: where one sticks there no other can slip, and of all parts that they may have equal ratios stay within
+mu the longest.
 """
 
 from __future__ import annotations
@@ -13,7 +15,7 @@ import sympy
 
 from gripper.contact.features import conform
 from gripper.contact.grip import Grip
-from gripper.contact.outline import Outline
+from gripper.contact.outline import UPPER, Outline
 from gripper.contact.site import Site
 from gripper.fingers import S
 from gripper.friction import Friction
@@ -104,7 +106,8 @@ class Law:
         if site.grip is None or not site.grip.follows:
             return i
         piece = self.outline.tip_corner(site.piece) if site.kind == "tail" else site.piece
-        hosts = [j for j, other in enumerate(sites) if other.piece == piece and other.grip and not other.grip.follows]
+        leading = [j for j, other in enumerate(sites) if other.grip and not other.grip.follows]
+        hosts = [j for j in leading if sites[j].piece == piece] or [j for j in leading if rigid(site, sites[j])]
         return min(hosts, key=lambda j: abs(sites[j].middle - site.middle), default=i)
 
     def shared(self, sites: Sites) -> Sites:
@@ -147,9 +150,15 @@ class Law:
             corner = self.outline.tip_corner(site.piece)
             return next((j for j, other in enumerate(sites) if other.piece == corner), i)
         for j, other in enumerate(sites[:i]):
-            if other.piece == site.piece and (site.piece > 1 or conform(other, site)):
+            if (other.piece == site.piece and (site.piece > 1 or conform(other, site))) or rigid(other, site):
                 return self._first(sites, j)
         return i
+
+
+def rigid(one: Site, other: Site) -> bool:
+    """Whether both stick to the same rigid part of the finger."""
+    stuck = all(site.grip is not None and site.grip.hold == "stick" for site in (one, other))
+    return stuck and min(one.piece, other.piece) > UPPER
 
 
 def _alike(one: Site, other: Site) -> bool:

@@ -13,12 +13,14 @@ from dataclasses import replace
 import numpy as np
 
 from gripper.contact.features import Feature, features, gone_and_come, named
+from gripper.contact.site import Site
 from gripper.motion.branch import STILL, Along
 from gripper.motion.events import Change, Kind, touched_at
 from gripper.motion.holding import changing, decided, excess
 from gripper.motion.ledger import BALANCED, Ledger
 from gripper.motion.locking import check_locked
 from gripper.motion.others import other_solutions
+from gripper.motion.reheld import reheld
 from gripper.motion.touching import NUDGE
 from gripper.motion.tracker import Tracker
 from gripper.motion.work import dips
@@ -34,8 +36,11 @@ _FINE = 1e-2  # of L: shorter steps are not cut for holds that may change and ch
 _FINEST = 1e-3  # of L: shorter ones are not cut for their balance
 _CHANGING = 0.01  # of L: the longest step in which a patch comes or goes, or that ends free of the object
 _BEYOND = 1.5  # of the way to where a contact starts to slip, by the tangent
-_LEAST = 1e-8  # of a step
+_LEAST, _JUST = 1e-8, 1e-4  # of a step: the shortest, and where a contact has only just begun to stick
+_AT_MU = 1e-6  # relative: the ratio of one that has
+_SOON = 4e-6  # of L: a contact that sticks from its touch on is found this soon behind it
 _SHORTEST = 1e-6  # of L: shorter steps are not cut for a hold
+_A_LITTLE = (2e-6, 1e-5, 1e-4)  # of L
 _MOST = 8  # snaps on the way to one pose
 _ALMOST = 1.05  # a contact that sticks this near to locking does not get away from it
 
@@ -77,7 +82,7 @@ class FrictionTracker(Tracker):
         check_locked(self.setting, self.current.equilibrium, heading)
         following = self._within_stick(following)
         found = self._followed(following)
-        found = self._decided(found)
+        found = self._decided(found, following)
         late = overdue(found.equilibrium, heading)
         if late:
             self._change_hold(found, following, late)
@@ -87,13 +92,14 @@ class FrictionTracker(Tracker):
             return
         self._accept(following, found)
 
-    def _decided(self, found: Verified) -> Verified:
-        """Contacts that came without a hold get the one that is consistent."""
-        return decided(self.setting, found, self.heading, self.order)
+    def _decided(self, found: Verified, following: float | None = None) -> Verified:
+        """Contacts that came without a hold, on the way to where they are found, get the one that is consistent."""
+        soon = following is None or self._travel(self.parameter, following) < _SOON
+        return decided(self.setting, found, self.heading, self.order, soon=soon)
 
     def _completed(self, parameter: float, middle: Verified) -> Verified | None:
         try:
-            middle = self._decided(middle)
+            middle = self._decided(middle, parameter)
         except NoEquilibriumError:
             return None
         late = overdue(middle.equilibrium, self.heading)
@@ -109,7 +115,8 @@ class FrictionTracker(Tracker):
         for i in stuck:
             rate = ratio_rate(equilibrium, i) * self.heading
             room = coefficient(equilibrium, i) - float(np.sign(rate)) * grip_of(equilibrium, i).ratio
-            reach = min(reach, max(_BEYOND * room / abs(rate), _LEAST * way) if rate else reach)
+            least = _LEAST if room > _AT_MU * coefficient(equilibrium, i) else _JUST
+            reach = min(reach, max(_BEYOND * room / abs(rate), least * way) if rate else reach)
         if len(equilibrium.state.sites) > 1:  # those that stick on one edge press on each other as fast
             loads, rates = equilibrium.state.multipliers, tangent(equilibrium)[1] * self.heading
             falling = rates < 0
@@ -190,7 +197,7 @@ class FrictionTracker(Tracker):
         equilibrium = self.current.equilibrium
         rates = slip_rates(equilibrium)
         for i in leaders(equilibrium):
-            grip = grip_of(equilibrium, i)
+            grip = grip_of(equilibrium, i)  # which may stick already, together with another one
             if grip.hold == "slip" and rates[i] * heading * grip.sense <= 0:
                 equilibrium = regripped(self.setting, equilibrium, i, 0, self.order)
                 self._tell("stick", equilibrium, i, "the motion turns")
@@ -203,6 +210,8 @@ class FrictionTracker(Tracker):
         self._snaps += 1
         if self._snaps > _MOST:
             raise NoEquilibriumError(f"the finger snaps again and again: {error}") from error
+        if self._reheld(following):
+            return
         before, start = Along(self.parameter, equilibrium), self.current
         super()._snap(following, error)
         try:
@@ -213,6 +222,31 @@ class FrictionTracker(Tracker):
             self.parameter, self.current = before.parameter, start
             self.changes.pop()
             raise
+
+    def _reheld(self, following: float) -> bool:
+        """Go on towards a parameter with other holds of the contacts, or one that comes, where these lead on."""
+        before = self.current.equilibrium.state.sites
+        for room in _A_LITTLE:
+            near = self.stride.within(self.parameter, following, room, self.current)
+            obstacle = self.setting.obstacle(self.path.frame(near))
+            found = reheld(self.setting, obstacle, self.current.equilibrium, self.heading, self.order)
+            try:
+                if found is not None:
+                    self._accept(near, found)
+                    self._tell_holds(before)
+                    return True
+            except NoEquilibriumError:
+                continue  # these are of another branch
+        return False
+
+    def _tell_holds(self, before: tuple[Site, ...]) -> None:
+        """Tell of the contacts that hold otherwise than before."""
+        equilibrium = self.current.equilibrium
+        olds = {feature: before[i].grip for feature, i in features(before).items()}
+        for feature, i in features(equilibrium.state.sites).items():
+            old, hold = olds.get(feature), grip_of(equilibrium, i).hold
+            if old is not None and old.hold != hold and hold != "open":
+                self._tell("slip" if hold == "slip" else "stick", equilibrium, i, "another contact comes")
 
     def advance(self, target: float) -> Answer:
         """Follow the path to a value of its parameter.

@@ -26,8 +26,17 @@ _MOST = 8  # contacts that are decided one after the other
 _AT_ONCE = 1e-9  # of its value at the step's end: a margin this small is none
 
 
-def decided(setting: Setting, found: Verified, heading: float, order: int) -> Verified:
+def decided(setting: Setting, found: Verified, heading: float, order: int, *, soon: bool = True) -> Verified:
     """Contacts that came without a hold get the one that is consistent.
+
+    Parameters
+    ----------
+    setting, heading, order
+        Of the motion.
+    found
+        With the contacts that came.
+    soon
+        Whether that is soon behind where they came: else none sticks, as it is held where it is found.
 
     Raises
     ------
@@ -41,11 +50,13 @@ def decided(setting: Setting, found: Verified, heading: float, order: int) -> Ve
         undecided = [i for i in leaders(equilibrium) if grip_of(equilibrium, i).hold == "open"]
         if not undecided:
             return found
-        found = verify(setting, _first_hold(setting, equilibrium, undecided[0], heading, order))
+        found = verify(setting, _first_hold(setting, equilibrium, undecided[0], heading, order, soon=soon))
     raise NoEquilibriumError("the holds of the contacts contradict each other")
 
 
-def _first_hold(setting: Setting, equilibrium: Equilibrium, i: int, heading: float, order: int) -> Equilibrium:
+def _first_hold(
+    setting: Setting, equilibrium: Equilibrium, i: int, heading: float, order: int, *, soon: bool
+) -> Equilibrium:
     """Slip, if it goes on in its sense, the likelier sense first; else stick, if its ratio stays within mu."""
     if speed(equilibrium) < STILL:
         return regripped(setting, equilibrium, i, 0, order)
@@ -54,7 +65,9 @@ def _first_hold(setting: Setting, equilibrium: Equilibrium, i: int, heading: flo
         slipping = _slipping(setting, equilibrium, i, sense, heading, order)
         if slipping is not None:
             return slipping
-    sticking = _sticking(setting, equilibrium, i, order)
+    if not soon:
+        raise NoEquilibriumError("a new contact does not slip")
+    sticking = _sticking(setting, equilibrium, i, heading, order)
     if sticking is not None:
         return sticking
     check_locked(setting, equilibrium, heading)
@@ -77,10 +90,13 @@ def _slipping(
         return None
 
 
-def _sticking(setting: Setting, equilibrium: Equilibrium, i: int, order: int) -> Equilibrium | None:
+def _sticking(setting: Setting, equilibrium: Equilibrium, i: int, heading: float, order: int) -> Equilibrium | None:
     """Stick from the first touch on: the ratio that it tends to."""
     try:
         found = regripped(setting, equilibrium, i, 0, order)
+        first = grip_of(found, i).law.leader(found.state.sites, i)
+        if first != i:  # it has the ratio of those that stick already
+            return found if first not in overdue(found, heading) else None
         row = sum(site.multipliers for site in found.state.sites[:i])
         rate = float(tangent(found)[1][row]) / float(found.state.multipliers[row])
         return found if abs(ratio_rate(found, i)) <= coefficient(found, i) * abs(rate) else None

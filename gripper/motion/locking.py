@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gripper.arrays import Array
+from gripper.contact.features import features
 from gripper.contact.grip import Grip
 from gripper.contact.linear import linearise
 from gripper.contact.site import Site
@@ -101,11 +102,15 @@ def opened(setting: Setting, equilibrium: Equilibrium, i: int, ratio: float) -> 
 def check_locked(setting: Setting, equilibrium: Equilibrium, heading: float, factor: float = 1.0) -> None:
     """Whether a contact that sticks could not slip on with any force, the coefficient being that much larger.
 
+    Of several contacts one may let go before: they are followed as they stick.
+
     Raises
     ------
     LockedError
         Where friction holds the finger.
     """
+    if len(features(equilibrium.state.sites)) > 1:
+        return
     for i in leaders(equilibrium):
         if grip_of(equilibrium, i).hold == "slip":
             continue

@@ -54,7 +54,7 @@ def gathered(setting: Setting, obstacle: Obstacle, start: State, guess: State, o
             left = held(setting, obstacle, start, state.keeping(keep))  # what carries on in its place holds as it did
             guesses = [left]
             continue
-        candidate, come = _penetrated(setting, equilibrium, known)
+        candidate, come = penetrated(setting, equilibrium, known)
         if come is None:
             return verify(setting, equilibrium)
         known += candidate
@@ -88,7 +88,7 @@ def _taken_in(state: State, come: Site) -> list[State]:
     return out
 
 
-def _penetrated(
+def penetrated(
     setting: Setting, equilibrium: Equilibrium, known: tuple[Candidate, ...]
 ) -> tuple[tuple[Candidate, ...], Site | None]:
     """Where the object lies deepest in the finger, if it does; a corner that did not stay leaves that to its side."""

@@ -12,6 +12,7 @@ import numpy as np
 
 from gripper.arrays import Array
 from gripper.contact.grip import Grip
+from gripper.contact.outline import UPPER
 from gripper.contact.site import Site
 from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting
 from gripper.statics.newton import settle
@@ -107,6 +108,8 @@ def overdue(equilibrium: Equilibrium, heading: float) -> list[int]:
 def regripped(setting: Setting, equilibrium: Equilibrium, i: int, hold: int, order: int) -> Equilibrium:
     """The equilibrium with another hold of one group: 0 sticks from here on, 1 and -1 slip with that sense.
 
+    On the jaw and the end section all stick together.
+
     Raises
     ------
     NoEquilibriumError
@@ -117,9 +120,11 @@ def regripped(setting: Setting, equilibrium: Equilibrium, i: int, hold: int, ord
         raise ValueError("contacts must have friction; got none")
     for j, site in enumerate(sites):
         grip = grip_of(equilibrium, j)
-        if grip.law.leader(equilibrium.state.sites, j) != i:
+        together = not hold and min(site.piece, sites[i].piece) > UPPER  # what is rigid sticks as one
+        if grip.law.leader(equilibrium.state.sites, j) != i and not together:
             continue
         anchor = replace(lin.rubbing.anchors[j], origin=(equilibrium, j))
-        stuck = grip.sticking(lin.rubbing.ratios[i], anchor)
+        stuck = grip.sticking(lin.rubbing.ratios[j], anchor)
         sites[j] = replace(site, grip=grip.slipping(hold) if hold else stuck)
-    return settle(setting, equilibrium.obstacle, replace(equilibrium.state, sites=tuple(sites)), order)
+    grouped = grip_of(equilibrium, i).law.grouped(tuple(sites))
+    return settle(setting, equilibrium.obstacle, replace(equilibrium.state, sites=grouped), order)
