@@ -110,6 +110,13 @@ class Sections:
 
 
 @functools.lru_cache(maxsize=256)
+def _profile(w: sympy.Expr, b: sympy.Expr) -> tuple[Callable[[Array], tuple[Any, ...]], ...]:
+    """Thickness, width, stiffness, and the thickness with its derivatives: compiled once for all fingers with them."""
+    profile = sympy.lambdify([S], [w, sympy.diff(w, S), beside_kinks(sympy.diff(w, S, 2))], "numpy", cse=True)
+    return _compiled(w), _compiled(b), _compiled(b * w**3, b * w), profile
+
+
+@functools.lru_cache(maxsize=256)
 def sections(finger: Finger) -> Sections:
     """Compile a finger's profile (once a finger).
 
@@ -120,8 +127,7 @@ def sections(finger: Finger) -> Sections:
         a steep flank), or the rest shape folds.
     """
     w, b = sympy.sympify(finger.w(S)), sympy.sympify(finger.b(S))
-    thickness, width, stiffness = _compiled(w), _compiled(b), _compiled(b * w**3, b * w)
-    profile = sympy.lambdify([S], [w, sympy.diff(w, S), beside_kinks(sympy.diff(w, S, 2))], "numpy", cse=True)
+    thickness, width, stiffness, profile = _profile(w, b)
     _check_positive("thickness", thickness, finger.length)
     _check_positive("width", width, finger.length)
     torn = largest_jump(finger, lambda s: thickness(s)[0])

@@ -9,12 +9,13 @@ from typing import Literal
 import numpy as np
 
 from gripper.contact.features import apart_from, feature_name, gone_and_come, stayed
+from gripper.contact.linear import linearise
 from gripper.contact.obstacle import Obstacle
 from gripper.contact.site import Site
-from gripper.motion.branch import APART, Along, Path, bracketed, branch_from, joined, pointed, released
+from gripper.motion.branch import APART, SHARP, Along, Path, bracketed, branch_from, joined, pointed, released
 from gripper.motion.turning import adjacent, changed, rolled_apart
 from gripper.statics.certificate import survey
-from gripper.statics.equilibrium import NoEquilibriumError, Setting, State
+from gripper.statics.equilibrium import NoEquilibriumError, Setting, State, solved
 from gripper.statics.nearby import least_gaps
 from gripper.statics.newton import unloaded
 from gripper.statics.rolling import NEAR
@@ -22,6 +23,7 @@ from gripper.statics.verified import objection
 
 STRUT = "met head-on the finger is a strut and buckles: to which side is undecided by statics"
 _GRAZED = 1e-9  # of L: contacts that only graze are none
+_ROUNDS = 8  # of Newton's method, of which four or five are needed
 
 
 Kind = Literal["touch", "release", "change", "snap", "stick", "slip"]
@@ -77,7 +79,7 @@ def changes(setting: Setting, path: Path, old: Along, new: Along, order: int, *,
             where, touched = _first(setting, path, old, new, order)
             won = (*won[:2], touched.vertex, won[3]) if won[0] == "vertex" else won
         out.append(Change(where, "touch", feature_name(outline, won)))
-        if not before and head_on(setting, path, old, where):
+        if not before and on_end(setting, touched):
             out.append(Change(where, "snap", STRUT))
     for lost in gone:
         where = released(setting, path, old, new, lost, order)
@@ -132,9 +134,12 @@ def _first(setting: Setting, path: Path, old: Along, new: Along, order: int) -> 
         mine = [gap for i, gap in enumerate(found) if (i in own) == kept]
         return min(mine, key=lambda gap: gap[0], default=(np.inf, sites[0]))
 
-    if np.isinf(least(new.parameter, kept=True)[0]):
+    (deepest, site), ends = least(new.parameter, kept=True), (old.parameter, new.parameter)
+    if np.isinf(deepest):
         raise MovedOnError("the first contact has moved on within the step")
-    where = bracketed(lambda parameter: min(least(parameter, kept=True)[0], 1.0), old.parameter, new.parameter)
+    where = _met(setting, path, old, site, ends) if deepest < 0 else None
+    if where is None or least(where, kept=True)[0] < -_GRAZED:
+        where = bracketed(lambda parameter: min(least(parameter, kept=True)[0], 1.0), *ends)
     if least(where, kept=False)[0] < -_GRAZED:
         raise MovedOnError("the first contact has moved on within the step")
     touched = least(where, kept=True)[1]
@@ -144,6 +149,30 @@ def _first(setting: Setting, path: Path, old: Along, new: Along, order: int) -> 
     rolled = touched.kind == "vertex" and all(site.vertex != touched.vertex for site in points.equilibrium.state.sites)
     apart = rolled_apart(old, new) if rolled else APART
     return joined(setting, path, Along(where, free), points, order, apart), touched
+
+
+def _met(setting: Setting, path: Path, old: Along, site: Site, ends: tuple[float, float]) -> float | None:
+    """Where a place of the free finger that lies in the object at the second end is met, the least gap beside it.
+
+    By Newton's method on the place and the parameter; None where that does not tell.
+    """
+    state, (start, at), way = old.equilibrium.state, ends, ends[1] - ends[0]
+    if site.kind == "node" or not (setting.loads is None or setting.loads.steady):
+        return None
+    corner = setting.outline.corner_at(site.piece, site.middle) if site.kind == "tangent" else None
+    site = site if corner is None else Site("corner", corner, ())
+    for _ in range(_ROUNDS):
+        obstacle = setting.obstacle(path.frame(at))
+        lin = linearise(state.beam, state.z, setting.outline, obstacle, (site,), np.zeros(1), kinks=False)
+        slopes = np.concatenate([lin.value_slopes, lin.residual_slopes])
+        rates = np.concatenate([lin.value_rates, lin.residual_rates])
+        step = solved(np.column_stack([slopes, rates]), -np.concatenate([lin.values, lin.residuals]))
+        if step is None or not 0 <= (at + step[-1] - start) / way <= 1:
+            return None
+        site, at = site.moved(site.coordinates + step[:-1]), at + float(step[-1])
+        if abs(step[-1]) <= SHARP * abs(way):
+            return at
+    return None
 
 
 def _free(setting: Setting, obstacle: Obstacle, old: Along) -> State:
@@ -157,20 +186,32 @@ def _free(setting: Setting, obstacle: Obstacle, old: Along) -> State:
 def touched_at(setting: Setting, path: Path, old: Along, stop: float) -> float | None:
     """Where the free finger is touched first; None where it is only grazed."""
 
-    def least(parameter: float) -> float:
-        obstacle = setting.obstacle(path.frame(parameter))
-        state = _free(setting, obstacle, old)
-        found = least_gaps(setting, obstacle, state, survey(setting, obstacle, state, brief=True))
-        return min((gap for gap, _ in found), default=1.0) + _GRAZED
+    def least(parameter: float) -> tuple[float, Site | None]:
+        return _nearest(setting, setting.obstacle(path.frame(parameter)), old)
 
-    return bracketed(least, old.parameter, stop) if least(stop) < 0 else None
+    deepest, site = least(stop)
+    if site is None or deepest >= -_GRAZED:
+        return None
+    where = _met(setting, path, old, site, (old.parameter, stop))
+    if where is not None and least(where)[0] >= -_GRAZED:
+        return where
+    return bracketed(lambda parameter: least(parameter)[0] + _GRAZED, old.parameter, stop)
 
 
-def head_on(setting: Setting, path: Path, straight: Along, parameter: float) -> bool:
-    """Whether the straight finger is met on its end face, where it is a strut."""
-    state, obstacle = straight.equilibrium.state, setting.obstacle(path.frame(parameter))
-    gaps = least_gaps(setting, obstacle, state, survey(setting, obstacle, state, brief=True))
-    site = min(gaps, key=lambda gap: gap[0], default=(0.0, None))[1]
+def _nearest(setting: Setting, obstacle: Obstacle, old: Along) -> tuple[float, Site | None]:
+    """The least gap of the free finger, and where it is; 1 where it is far from the object."""
+    state = _free(setting, obstacle, old)
+    found = least_gaps(setting, obstacle, state, survey(setting, obstacle, state, brief=True))
+    return min(found, key=lambda gap: gap[0], default=(1.0, None))
+
+
+def head_on(setting: Setting, path: Path, free: Along, parameter: float) -> bool:
+    """Whether the free finger is met on its end face, where it is a strut."""
+    return on_end(setting, _nearest(setting, setting.obstacle(path.frame(parameter)), free)[1])
+
+
+def on_end(setting: Setting, site: Site | None) -> bool:
+    """Whether a place is on the end face."""
     return site is not None and site.kind == "tangent" and setting.outline.place(site.piece, np.zeros(1))[0] == "tip"
 
 

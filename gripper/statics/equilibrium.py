@@ -151,7 +151,8 @@ class State:
     @property
     def loads(self) -> list[Array]:
         """The multipliers of each contact."""
-        return np.split(self.multipliers, np.cumsum([site.multipliers for site in self.sites], dtype=int))[:-1]
+        ends = itertools.accumulate(site.multipliers for site in self.sites)
+        return [self.multipliers[end - site.multipliers : end] for site, end in zip(self.sites, ends, strict=True)]
 
     def keeping(self, keep: Sequence[bool]) -> State:
         """The state with some of its contacts only."""
