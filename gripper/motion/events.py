@@ -14,6 +14,7 @@ from gripper.contact.obstacle import Obstacle
 from gripper.contact.site import Site
 from gripper.motion.branch import APART, SHARP, Along, Path, bracketed, branch_from, joined, pointed, released
 from gripper.motion.turning import adjacent, changed, rolled_apart
+from gripper.statics.candidates import resolved
 from gripper.statics.certificate import survey
 from gripper.statics.equilibrium import NoEquilibriumError, Setting, State, solved
 from gripper.statics.nearby import least_gaps
@@ -159,8 +160,7 @@ def _met(setting: Setting, path: Path, old: Along, site: Site, ends: tuple[float
     state, (start, at), way = old.equilibrium.state, ends, ends[1] - ends[0]
     if site.kind == "node" or not (setting.loads is None or setting.loads.steady):
         return None
-    corner = setting.outline.corner_at(site.piece, site.middle) if site.kind == "tangent" else None
-    site = site if corner is None else Site("corner", corner, ())
+    site = resolved(setting, site)
     for _ in range(_ROUNDS):
         obstacle = setting.obstacle(path.frame(at))
         lin = linearise(state.beam, state.z, setting.outline, obstacle, (site,), np.zeros(1), kinks=False)
@@ -211,7 +211,8 @@ def head_on(setting: Setting, path: Path, free: Along, parameter: float) -> bool
 
 
 def on_end(setting: Setting, site: Site | None) -> bool:
-    """Whether a place is on the end face."""
+    """Whether a place is on the end face, and not at its corner."""
+    site = site and resolved(setting, site)
     return site is not None and site.kind == "tangent" and setting.outline.place(site.piece, np.zeros(1))[0] == "tip"
 
 
