@@ -170,6 +170,8 @@ def _met(setting: Setting, path: Path, old: Along, site: Site, ends: tuple[float
         if step is None or not 0 <= (at + step[-1] - start) / way <= 1:
             return None
         site, at = site.moved(site.coordinates + step[:-1]), at + float(step[-1])
+        if site.place and not 0 <= site.place[0] <= setting.outline.pieces[site.piece].length:
+            return None
         if abs(step[-1]) <= SHARP * abs(way):
             return at
     return None

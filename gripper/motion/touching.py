@@ -7,13 +7,15 @@ from dataclasses import replace
 import numpy as np
 
 from gripper.contact.linear import linearise
+from gripper.contact.obstacle import Obstacle
 from gripper.contact.site import pointed
 from gripper.motion.branch import Along
 from gripper.motion.events import STRUT, head_on, touched_at
 from gripper.motion.stride import Stride, check_moved
 from gripper.statics.active import find
-from gripper.statics.certificate import Survey
+from gripper.statics.certificate import Survey, survey
 from gripper.statics.equilibrium import NoEquilibriumError, Setting, State
+from gripper.statics.handed import with_deepest
 from gripper.statics.newton import unloaded
 from gripper.statics.snap import distance
 from gripper.statics.verified import Verified
@@ -31,7 +33,7 @@ def just_touched(stride: Stride, free: Along, following: float) -> float | None:
 
 
 def touched(stride: Stride, free: Along, following: float, order: int, known: Survey | None = None) -> Verified:
-    """The finger is free and the object would penetrate it a step further on: SLSQP finds the contacts there.
+    """The finger is free and the object would penetrate it a step further on: the contacts there.
 
     Raises
     ------
@@ -40,7 +42,7 @@ def touched(stride: Stride, free: Along, following: float, order: int, known: Su
     """
     setting, path, start = stride.setting, stride.path, free.equilibrium.state
     try:
-        found = find(setting, setting.obstacle(path.frame(following)), start, order, known)
+        found = _met(setting, setting.obstacle(path.frame(following)), start, order, known)
         state = found.equilibrium.state
         moved = distance(state, start)
         check_moved((*state.sites, *start.sites), moved, stride.travel(free.parameter, following, start))
@@ -51,6 +53,15 @@ def touched(stride: Stride, free: Along, following: float, order: int, known: Su
             raise NoEquilibriumError(STRUT, error.effort) from error
         raise
     return found
+
+
+def _met(setting: Setting, obstacle: Obstacle, free: State, order: int, known: Survey | None) -> Verified:
+    """The contact of a finger that is free where it has sunk in; where there are others, SLSQP finds them."""
+    known = known or survey(setting, obstacle, free, brief=True)
+    try:
+        return with_deepest(setting, obstacle, free, known, order)
+    except NoEquilibriumError:
+        return find(setting, obstacle, free, order, known)
 
 
 def _pushed(setting: Setting, found: Verified, free: State, order: int) -> State:

@@ -27,7 +27,7 @@ from gripper.statics.active import find, held
 from gripper.statics.answer import Answer, discretisation_error
 from gripper.statics.certificate import Survey, survey
 from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, reckoned
-from gripper.statics.handed import handed_on
+from gripper.statics.handed import handed_on, with_deepest
 from gripper.statics.newton import unloaded
 from gripper.statics.settling import settle_contacts
 from gripper.statics.snap import distance
@@ -222,8 +222,13 @@ class Tracker:
         return middle
 
     def _found(self, following: float, guess: State) -> Verified:
-        """SLSQP tells which contacts are left, or come."""
-        return find(self.setting, self.setting.obstacle(self.path.frame(following)), guess, self.order)
+        """A place that has sunk in is one contact more; else SLSQP tells which contacts are left, or come."""
+        obstacle = self.setting.obstacle(self.path.frame(following))
+        known = survey(self.setting, obstacle, guess, brief=True)
+        try:
+            return with_deepest(self.setting, obstacle, self._handed(following, guess), known, self.order)
+        except NoEquilibriumError:
+            return find(self.setting, obstacle, guess, self.order, known)
 
     def _accept(self, following: float, found: Verified) -> None:
         """Take a step, once what changed on it is located: this proves that it stays on its branch."""

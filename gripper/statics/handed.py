@@ -14,7 +14,12 @@ import numpy as np
 from gripper.contact.obstacle import Obstacle
 from gripper.contact.outline import UPPER, Outline, dot
 from gripper.contact.site import Site
-from gripper.statics.equilibrium import Setting, State
+from gripper.statics.active import held
+from gripper.statics.candidates import resolved
+from gripper.statics.certificate import Survey
+from gripper.statics.equilibrium import NoEquilibriumError, Setting, State
+from gripper.statics.settling import settle_contacts
+from gripper.statics.verified import Verified, verify
 
 _INSIDE = 0.5  # of an edge: no further from its corner is the place first looked for
 
@@ -39,6 +44,36 @@ def handed_on(setting: Setting, obstacle: Obstacle, state: State) -> State:
     if min(state.multipliers.tolist(), default=1.0) > 0:
         return handed
     return handed.keeping([load > 0 for load in state.multipliers.tolist()])
+
+
+def with_deepest(setting: Setting, obstacle: Obstacle, state: State, known: Survey, order: int) -> Verified:
+    """The equilibrium of a state's contacts and one more, where the object lies deepest in the finger.
+
+    Parameters
+    ----------
+    setting, obstacle
+        Smooth.
+    state
+        With the contacts that stay.
+    known
+        Of the state.
+    order
+        Of the strain fields.
+
+    Raises
+    ------
+    NoEquilibriumError
+        Where these are not all that touch.
+    """
+    outline = setting.outline
+    places = [(piece, u) for piece, u in known.deepest if outline.pieces[piece].on != "tip"]
+    if not places or known.engulfed or len(obstacle.corners):
+        raise NoEquilibriumError("no place tells what touches")
+    # beside a corner that has sunk in, too, a face rather bends until it lies on the object than stands on its corner
+    piece, u = min(places, key=lambda place: outline.corner_at(*place) is not None)
+    sites = (*state.sites, resolved(setting, Site("tangent", piece, (u,))))
+    guess = replace(state, sites=sites, multipliers=np.append(state.multipliers, 0.0))
+    return verify(setting, settle_contacts(setting, obstacle, held(setting, obstacle, state, guess), order))
 
 
 def _handed(setting: Setting, obstacle: Obstacle, state: State, site: Site) -> Site:
