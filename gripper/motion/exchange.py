@@ -30,7 +30,8 @@ def exchanged(setting: Setting, path: Path, old: Along, new: Along, order: int) 
     try:
         both, won, lost = _both(setting, old, new, (gone[0], come[0]), order)
         branch = branch_from(setting, path, both, order)
-        touch, release = (let_go(branch, i, new.parameter, old.parameter) for i in (won, lost))
+        touch = let_go(branch, won, new.parameter, old.parameter)
+        release = None if touch is None else let_go(branch, lost, touch, new.parameter)
         if touch is None or release is None or (release - touch) * (new.parameter - old.parameter) <= 0:
             return None
         middle = (touch + release) / 2

@@ -94,24 +94,24 @@ def _pointlike(setting: Setting, piece: int) -> bool:
 
 def _beside(setting: Setting, obstacle: Obstacle, state: State, site: Site) -> Site:
     """A contact at a corner of the outline, or where the gap is least on an edge along which it falls from there."""
-    for piece, end, inwards in _edges(setting.outline, site.piece):
-        if not _pointlike(setting, piece):
-            continue
-        last = np.array([state.beam.segments - 1])
-        point, tangent, _ = setting.outline.trace(state.axis, np.array([piece]), np.array([end]), last)
-        _, normal, (own, conjugate) = obstacle.curvature(point)
-        along = inwards * tangent
-        fall, bend = -float(dot(normal, along)[0]), float(dot(along, own * along + conjugate * along.conj())[0])
+    edges = [edge for edge in _edges(setting.outline, site.piece) if _pointlike(setting, edge[0])]
+    if not edges:
+        return site
+    pieces, ends, ways = (np.array(values) for values in zip(*edges, strict=True))
+    last = np.full(len(edges), state.beam.segments - 1)
+    points, tangents, _ = setting.outline.trace(state.axis, pieces, ends, last)
+    _, normals, (own, conjugate) = obstacle.curvature(points)
+    along = ways * tangents
+    falls, bends = -dot(normals, along), dot(along, own * along + conjugate * along.conj())
+    for (piece, end, way), fall, bend in zip(edges, falls.tolist(), bends.tolist(), strict=True):
         if fall > 0 and bend > 0:
-            way = min(fall / bend, _INSIDE * setting.outline.pieces[piece].length)
-            return replace(site, kind="tangent", piece=piece, place=(end + inwards * way,))
+            inwards = min(fall / bend, _INSIDE * setting.outline.pieces[piece].length)
+            return replace(site, kind="tangent", piece=piece, place=(end + way * inwards,))
     return site
 
 
 @functools.lru_cache(maxsize=64)
 def _edges(outline: Outline, corner: int) -> list[tuple[int, float, int]]:
     """The pieces beside a corner of the outline, the ends at which they meet it, and the way along them from there."""
-    ends = [
-        (piece, end, way) for piece, edge in enumerate(outline.pieces) for end, way in ((0.0, 1), (edge.length, -1))
-    ]
+    ends = [(piece, *end) for piece, edge in enumerate(outline.pieces) for end in ((0.0, 1), (edge.length, -1))]
     return [(piece, end, way) for piece, end, way in ends if outline.corner_at(piece, end) == corner]
