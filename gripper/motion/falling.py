@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from gripper.motion.branch import Along, Path
@@ -14,7 +12,13 @@ from gripper.statics.verified import Verified
 
 BEYOND = 2e-3
 """Of L: how far behind a limit point the descent starts."""
+_ALIKE = 0.05  # of a step
 _LEAVES = "the equilibrium ends here: the finger leaves for another"
+
+
+def alike(start: float, one: float, other: float) -> bool:
+    """Whether steps from a parameter to two others are the same but for how the path bends towards its target."""
+    return abs(one - other) <= _ALIKE * abs(other - start)
 
 
 class Falls:
@@ -43,7 +47,7 @@ class Falls:
             raise error
         on_end = all(self.setting.outline.place(site.piece, np.zeros(1))[0] == "tip" for site in start.sites)
         vain = self._vain
-        if vain is not None and vain[0] is start and math.isclose(vain[1], following, rel_tol=1e-9):
+        if vain is not None and vain[0] is start and alike(here.parameter, vain[1], following):
             raise vain[2]  # at every pose beyond it would be the same descent
         try:
             found = descend(self.setting, self.setting.obstacle(self.path.frame(following)), start, order)

@@ -118,7 +118,8 @@ class FrictionTracker(Tracker):
             least = _LEAST if room > _AT_MU * coefficient(equilibrium, i) else _JUST
             reach = min(reach, max(_BEYOND * room / abs(rate), least * way) if rate else reach)
         if len(equilibrium.state.sites) > 1:  # those that stick on one edge press on each other as fast
-            loads, rates = equilibrium.state.multipliers, tangent(equilibrium)[1] * self.heading
+            first = np.cumsum([0, *(site.multipliers for site in equilibrium.state.sites[:-1])])
+            loads, rates = equilibrium.state.multipliers[first], tangent(equilibrium)[1][first] * self.heading
             falling = rates < 0
             reach = min([reach, *np.maximum(-_BEYOND * loads[falling] / rates[falling], _LEAST * reach)])
         return following if reach >= way else self.parameter + self.heading * reach
@@ -210,7 +211,7 @@ class FrictionTracker(Tracker):
         self._snaps += 1
         if self._snaps > _MOST:
             raise NoEquilibriumError(f"the finger snaps again and again: {error}") from error
-        if self._reheld(following):
+        if self.sites and self._reheld(following):
             return
         before, start = Along(self.parameter, equilibrium), self.current
         super()._snap(following, error)

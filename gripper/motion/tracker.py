@@ -16,7 +16,7 @@ from gripper.contact.site import Site
 from gripper.motion.branch import Along, Path
 from gripper.motion.events import Change, MovedOnError, changes, check_unbroken
 from gripper.motion.exchange import exchanged
-from gripper.motion.falling import BEYOND, Falls
+from gripper.motion.falling import BEYOND, Falls, alike
 from gripper.motion.stride import SHORTEST, Stride, check_moved
 from gripper.motion.touching import just_touched, touched
 from gripper.motion.trail import Trail
@@ -82,6 +82,7 @@ class Tracker:
         self.stride, self.falls = Stride(setting, path), Falls(setting, path)
         self.changes: list[Change] = []
         self.iterations = 0
+        self._ended: tuple[Verified, float, NoEquilibriumError] | None = None  # a first step that led nowhere
         self._asked = math.nan
         self.trail = Trail(setting)
         self.current = free or self._free(parameter)
@@ -116,6 +117,18 @@ class Tracker:
             Where no equilibrium could be followed that far; the tracker stays at the last one it found.
         """
         self.stride.refuse_at_clamp(target)
+        began, first = self.current, self.stride.within(self.parameter, target, np.inf, self.current)
+        ended = self._ended
+        if ended is not None and ended[0] is began and alike(self.parameter, ended[1], first):
+            raise ended[2]  # every step would be the same again
+        try:
+            return self._advanced(target)
+        except NoEquilibriumError as error:
+            if self.current is began:
+                self._ended = began, first, error
+            raise
+
+    def _advanced(self, target: float) -> Answer:
         self._asked = target
         self.iterations = failures = snaps = effort = 0
         bound = np.inf
