@@ -29,6 +29,11 @@ def conform(one: Site, other: Site) -> bool:
     return last[0] - first[-1] < _CONFORMING
 
 
+def _lies_beside(corner: Site, site: Site) -> bool:
+    """Whether a face that lies on a flat carries both at the flat's first corner and beside it."""
+    return corner.kind == "vertex" and site.grip is not None and site.grip.flush
+
+
 def features(sites: tuple[Site, ...]) -> dict[Feature, int]:
     """What touches, and the number of its site; a patch that ends in the tip's corner is the corner."""
     found: dict[Feature, int] = {}
@@ -38,7 +43,7 @@ def features(sites: tuple[Site, ...]) -> dict[Feature, int]:
         if site.kind in ("tail", "span"):
             continue
         key = _KINDS.get(site.kind, "flank"), site.piece, site.vertex
-        if last < 0 or not conform(sites[last], site):
+        if last < 0 or not conform(sites[last], site) or _lies_beside(sites[last], site):
             found[*key, sum(other[:3] == key for other in found)] = i
         last = i
     return found

@@ -79,6 +79,10 @@ class Grip:
         Where a contact that sticks began to; None: where it is now.
     follows
         Whether it shares the ratio of a neighbour that it conforms with.
+    flush
+        Whether the face lies on a flat from here on. Friction that would bend it away from the flat before the
+        contact cannot do so: the pressure spreads along the flat (in bending as exp(-s / h), h being the ratio times
+        half the thickness) until normal force and friction have no moment about the axis at the contact.
     """
 
     law: Law
@@ -87,6 +91,7 @@ class Grip:
     ratio: float = 0.0
     anchor: Anchor | None = None
     follows: bool = False
+    flush: bool = False
 
     @property
     def unknown(self) -> bool:

@@ -41,7 +41,7 @@ class Linearisation:
     force_gradient: Complex  # d(total force on the finger)/dz, (n,)
     force_multipliers: Complex  # the same by the multipliers, (m,)
     force_places: Complex  # the same by the places, (k,)
-    points: tuple[Complex, ...]  # per site, where it touches, (j,)
+    points: tuple[Complex, ...]  # per site, where its force acts, (j,)
     forces: tuple[Complex, ...]  # per site, force on the finger at those points, (j,)
     stations: tuple[Array, ...]  # per site, the place u of those points, (j,)
     loads: Array  # unit loads of the multipliers on z: C_z, and friction's part, (m, n)
@@ -121,6 +121,7 @@ class System:
         self.weights = np.zeros(q)  # force along grad g at each query
         self.turns: Complex | float = 1.0  # 1 - i rho at each query: from the normal force to the force
         self.pull = np.zeros(q, dtype=complex)
+        self.ahead = np.zeros(q, dtype=complex)  # from each query to where its force acts
         self.extra = np.zeros((size, size))
         self.force_gradient = np.zeros(size, dtype=complex)
         self.force_multipliers, self.force_places = np.zeros(m, dtype=complex), np.zeros(k, dtype=complex)
@@ -257,7 +258,7 @@ class System:
             self.force_gradient,
             self.force_multipliers,
             self.force_places,
-            tuple(self.stations.points[cut] for cut in cuts),
+            tuple(self.stations.points[cut] + self.ahead[cut] for cut in cuts),
             tuple(self.pull[cut] for cut in cuts),
             tuple(q[: len(q) - e] for q, e in zip(queries, ends, strict=True)),
             self.loads,

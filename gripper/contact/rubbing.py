@@ -13,7 +13,7 @@ import numpy as np
 
 from gripper.arrays import Array, Complex
 from gripper.contact.grip import Anchor
-from gripper.contact.outline import dot
+from gripper.contact.outline import LOWER, dot
 
 if TYPE_CHECKING:
     from gripper.contact.rows import System
@@ -52,13 +52,14 @@ def rub(system: System, u: Array) -> None:
         rubbed.finish()
         if first == i and site.grip is not None and site.grip.unknown:
             rubbed.hold_fast()
-    pushes = np.array([r.force @ r.pushed for r in each])
+    pushes = np.array([r.force @ r.bearing for r in each])
+    moved = np.array([r.force @ r.pushed for r in each])
     system.rubbing = Rubbing(
         np.array([r.slip for r in each]),
         np.array([r.slip_rate for r in each]),
         tuple(r.anchor for r in each),
         tuple(r.ratio for r in each),
-        np.array([r.ratio for r in each]) @ pushes,
+        np.array([r.ratio for r in each]) @ moved,
         -sum(r.ratio * float(r.force @ r.passing) for r in each),
         pushes,
     )
@@ -84,10 +85,26 @@ class _Rubbed:
         self.rubs = -1j * normals  # the direction of friction, as long as the gradient of the gap
         stations = system.stations
         self.gradients = stations.gradients[self.span]
-        self.pushed = (self.rubs.conj()[:, None] * self.gradients).real  # friction's unit loads, (queries, n)
+        self.pushed = (self.rubs.conj()[:, None] * self.gradients).real  # how it moves, (queries, n)
+        self.borne, self.borne_tangents = self.gradients, stations.tangent_gradients[self.span]
+        if site.flush:
+            self._at_axis()
+        self.bearing = (self.rubs.conj()[:, None] * self.borne).real  # friction's unit loads, (queries, n)
         self.lengths = np.abs(normals)
         self.along = self.rubs / self.lengths
         self.passing = dot(self.rubs, system.obstacle.velocities(stations.points[self.span]))
+
+    def _at_axis(self) -> None:
+        """Flush on a flat, the pressure spreads as far as its moment takes friction's: both are as one at the axis."""
+        system, stations = self.system, self.system.stations
+        offsets, psi = stations.offsets[self.span], stations.psi[self.span]
+        half = np.abs(offsets)
+        axis = (1j if self.site.piece == LOWER else -1j) * offsets / half
+        self.borne = self.gradients - (1j * offsets)[:, None] * psi
+        self.borne_tangents = (1j * axis)[:, None] * psi
+        system.ahead[self.span] = abs(self.ratio) * half * axis
+        turning = self.ratio * self._forces() * dot(self.rubs, offsets)
+        system.extra += psi.T @ (turning[:, None] * psi)
 
     def _moves(self) -> Array:
         moves = np.zeros((len(self.u), self.site.unknown_places))
@@ -111,20 +128,20 @@ class _Rubbed:
         count = self.site.multipliers
         modes = self.modes
         rows, columns = slice(self.row, self.row + count), slice(column, column + self.site.unknown_places)
-        system.loads[rows] += rho * (modes @ self.pushed)
+        system.loads[rows] += rho * (modes @ self.bearing)
         system.force_multipliers[rows] += rho * (modes @ self.rubs)
         changed, turned = self._by_place()
         system.load_slopes[:, columns] += rho * (changed.T @ (force[:, None] * self.moves))
         system.force_places[columns] += rho * (turned @ (force[:, None] * self.moves))
         if self.steepening:
             middle = self.weights @ self.moves
-            system.load_slopes[:, columns] += self.steepening * np.outer(force @ self.pushed, middle)
+            system.load_slopes[:, columns] += self.steepening * np.outer(force @ self.bearing, middle)
             system.force_places[columns] += self.steepening * complex(force @ self.rubs) * middle
         if self.site.kind == "vertex":
             self._at_corner(float(force[0]))
         else:
             turning = rho * force * (-1j * system.normal_rate[self.span]).conj()
-            system.load_rates += (turning @ self.gradients).real
+            system.load_rates += (turning @ self.borne).real
         system.pull[self.span] += rho * force * self.rubs
 
     def _modes(self) -> Array:
@@ -139,14 +156,12 @@ class _Rubbed:
 
     def _by_place(self) -> tuple[Array, Complex]:
         """Derivatives along the piece of friction's unit loads (queries, n) and direction (queries,)."""
-        stations = self.system.stations
         if self.site.kind == "vertex":
             n, _, turn = self.system.corners[self.span.start]
             turned = np.array([turn * n])
         else:
             turned = -1j * self.system.bent[self.span]
-        tangents = stations.tangent_gradients[self.span]
-        changed = (turned.conj()[:, None] * self.gradients + self.rubs.conj()[:, None] * tangents).real
+        changed = (turned.conj()[:, None] * self.borne + self.rubs.conj()[:, None] * self.borne_tangents).real
         return changed, turned
 
     def _at_corner(self, force: float) -> None:
@@ -158,7 +173,7 @@ class _Rubbed:
 
     def grip_on(self, column: int) -> None:
         """The loads' derivative by the ratio."""
-        self.system.load_slopes[:, column] += self.force @ self.pushed
+        self.system.load_slopes[:, column] += self.force @ self.bearing
         self.system.force_places[column] += complex(self.force @ self.rubs)
 
     def finish(self) -> None:

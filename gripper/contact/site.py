@@ -89,6 +89,17 @@ class Site:
         return self.piece <= UPPER
 
     @property
+    def flush(self) -> bool:
+        """Whether friction, which would bend the face before it away from a flat by its lever, acts at the axis."""
+        if self.grip is None or not self.grip.flush:
+            return False
+        return self.bends_away(self.grip.ratios(self.piece, self.middle)[0])
+
+    def bends_away(self, ratio: float) -> bool:
+        """Whether friction of this ratio bends the face before it away from the object, by its lever to the axis."""
+        return ratio < 0 if self.piece < UPPER else ratio > 0
+
+    @property
     def middle(self) -> float:
         """Its place, or the middle of its patch (0 of a corner)."""
         return sum(self.place) / len(self.place) if self.place else 0.0

@@ -12,6 +12,7 @@ from gripper.motion.branch import Along, Path, branch_from, let_go, number, poin
 from gripper.motion.events import moves
 from gripper.motion.turning import adjacent
 from gripper.statics.equilibrium import NoEquilibriumError, Setting, State
+from gripper.statics.lying import beside
 from gripper.statics.newton import settle
 from gripper.statics.snap import distance
 from gripper.statics.verified import Verified, verify
@@ -25,10 +26,13 @@ def exchanged(setting: Setting, path: Path, old: Along, new: Along, order: int) 
     None where that is not what happens between them.
     """
     gone, come = gone_and_come(old.equilibrium.state.sites, new.equilibrium.state.sites, moves(old, new))
-    if len(gone) != 1 or len(come) != 1 or _rolls(setting, old, new, (gone[0], come[0])):
+    if len(gone) != 1 or len(come) != 1:
+        return None
+    lies = _lies_down(old, new, (gone[0], come[0]))
+    if not lies and _rolls(setting, old, new, (gone[0], come[0])):
         return None
     try:
-        both, won, lost = _both(setting, old, new, (gone[0], come[0]), order)
+        both, won, lost = (_beside if lies else _both)(setting, old, new, (gone[0], come[0]), order)
         branch = branch_from(setting, path, both, order)
         touch = let_go(branch, won, new.parameter, old.parameter)
         release = None if touch is None else let_go(branch, lost, touch, new.parameter)
@@ -48,6 +52,28 @@ def _rolls(setting: Setting, old: Along, new: Along, contacts: tuple[Feature, Fe
     moved = distance(old.equilibrium.state, new.equilibrium.state)
     near = abs(points[1].mean() - points[0].mean()) < _ANOTHER + 2 * moved
     return near and adjacent(setting, *contacts)
+
+
+def _lies_down(old: Along, new: Along, contacts: tuple[Feature, Feature]) -> bool:
+    """Whether a face comes to lie on a flat from the corner at which that begins, or gets up from it to there."""
+    sites = [at.equilibrium.state.sites[number(at, contact)] for at, contact in zip((old, new), contacts, strict=True)]
+    corner, flank = sorted(sites, key=lambda site: site.kind != "vertex")
+    same = (corner.kind, flank.kind) == ("vertex", "tangent") and corner.piece == flank.piece
+    return same and flank.flush and corner.middle < flank.middle
+
+
+def _beside(
+    setting: Setting, old: Along, new: Along, contacts: tuple[Feature, Feature], order: int
+) -> tuple[Along, int, int]:
+    """The corner at which a flat begins with the place beside it; the numbers of what came of both and what went."""
+    came = contacts[1][0] == "vertex"
+    at, corner = (new, contacts[1]) if came else (old, contacts[0])
+    equilibrium = at.equilibrium
+    found = settle(setting, equilibrium.obstacle, beside(equilibrium.state, number(at, corner)), order)
+    sites = found.state.sites
+    first = next(i for i, site in enumerate(sites) if site.kind == "vertex" and site.vertex == corner[2])
+    second = len(sites) - 1
+    return Along(at.parameter, found), *((first, second) if came else (second, first))
 
 
 def _both(

@@ -14,8 +14,8 @@ import numpy as np
 
 from gripper.contact.features import Feature, features, gone_and_come, named
 from gripper.contact.site import Site
-from gripper.motion.branch import STILL, Along
-from gripper.motion.events import Change, Kind, touched_at
+from gripper.motion.branch import STILL, Along, branch_from, speed
+from gripper.motion.events import Change, Kind, changes, touched_at
 from gripper.motion.holding import changing, decided, excess
 from gripper.motion.ledger import BALANCED, Ledger
 from gripper.motion.locking import check_locked
@@ -29,7 +29,17 @@ from gripper.results.loop import Loop
 from gripper.statics.answer import Answer
 from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, State
 from gripper.statics.gathered import gathered
-from gripper.statics.holds import coefficient, grip_of, leaders, overdue, ratio_rate, regripped, slip_rates, tangent
+from gripper.statics.holds import (
+    coefficient,
+    grip_of,
+    leaders,
+    overdue,
+    ratio_rate,
+    regripped,
+    rolling,
+    slip_rates,
+    tangent,
+)
 from gripper.statics.verified import Verified, untouched, verify
 
 _FINE = 1e-2  # of L: shorter steps are not cut for holds that may change and change back
@@ -41,6 +51,10 @@ _AT_MU = 1e-6  # relative: the ratio of one that has
 _SOON = 4e-6  # of L: a contact that sticks from its touch on is found this soon behind it
 _SHORTEST = 1e-6  # of L: shorter steps are not cut for a hold
 _A_LITTLE = (2e-6, 1e-5, 1e-4)  # of L
+_REVERSED = 4  # times as long ones where slip only turns: it does so at once
+_ASIDE = 0.3  # of it: how near to a change of contacts a step ends, before it and then behind it
+_MOSTLY = 0.999  # of a step
+_BRIEF = 5e-6  # of L: a contact that would stick on a shorter way only turns at once
 _MOST = 8  # snaps on the way to one pose
 _ALMOST = 1.05  # a contact that sticks this near to locking does not get away from it
 
@@ -51,6 +65,7 @@ class FrictionTracker(Tracker):
     heading = 0.0
     """Sign of the way along the parameter; 0 before the first step."""
     _snaps = 0
+    _rolls = False  # slip of the matter before and behind a contact that rolls has different senses
     _switched: frozenset[tuple[int, float, int]] | set[tuple[int, float, int]] = frozenset()
 
     @functools.cached_property
@@ -83,7 +98,7 @@ class FrictionTracker(Tracker):
         following = self._within_stick(following)
         found = self._followed(following)
         found = self._decided(found, following)
-        late = overdue(found.equilibrium, heading)
+        late = self._overdue(found.equilibrium)
         if late:
             self._change_hold(found, following, late)
             return
@@ -91,6 +106,16 @@ class FrictionTracker(Tracker):
             self._step((self.parameter + following) / 2)
             return
         self._accept(following, found)
+
+    def _overdue(self, equilibrium: Equilibrium) -> list[int]:
+        """Contacts whose hold contradicts their motion or their force, unless they are known to roll on in between."""
+        late = overdue(equilibrium, self.heading)
+        if not self._rolls:
+            return late
+        rates = slip_rates(equilibrium)
+        between = [i for i in leaders(equilibrium) if abs(rates[i]) <= rolling(equilibrium, i)]
+        self._rolls = bool(between)
+        return [i for i in late if i not in between or grip_of(equilibrium, i).hold == "stick"]
 
     def _decided(self, found: Verified, following: float | None = None) -> Verified:
         """Contacts that came without a hold, on the way to where they are found, get the one that is consistent."""
@@ -102,7 +127,7 @@ class FrictionTracker(Tracker):
             middle = self._decided(middle, parameter)
         except NoEquilibriumError:
             return None
-        late = overdue(middle.equilibrium, self.heading)
+        late = self._overdue(middle.equilibrium)
         return None if late or self._coarse(middle, parameter) else middle
 
     def _within_stick(self, following: float) -> float:
@@ -202,6 +227,9 @@ class FrictionTracker(Tracker):
             if grip.hold == "slip" and rates[i] * heading * grip.sense <= 0:
                 equilibrium = regripped(self.setting, equilibrium, i, 0, self.order)
                 self._tell("stick", equilibrium, i, "the motion turns")
+                if self._sticks_shortly(equilibrium, i):
+                    equilibrium = regripped(self.setting, equilibrium, i, -grip.sense, self.order)
+                    self._tell("slip", equilibrium, i, "")
         self.current = replace(self.current, equilibrium=equilibrium)
 
     def _snap(self, following: float, error: NoEquilibriumError) -> None:
@@ -303,7 +331,7 @@ class FrictionTracker(Tracker):
         """Go to where the first contact changes its hold, and change it."""
         old = self.current.equilibrium
         if any(gone_and_come(old.state.sites, found.equilibrium.state.sites)):
-            self._halve(found, following)
+            self._change_both(found, following)
             return
         ends = Along(self.parameter, old), Along(following, found.equilibrium)
         where, i, branch = changing(self.setting, self.path, *ends, late, self.heading, self.order)
@@ -314,14 +342,37 @@ class FrictionTracker(Tracker):
         self._accept(where, before)
         self._switch(i, excess(found.equilibrium, i))
 
-    def _halve(self, found: Verified, following: float) -> None:
-        """Contacts change in the same step: take half of it."""
-        if self._travel(self.parameter, following) < _SHORTEST:
-            self._accept(following, found)
-            for i in overdue(found.equilibrium, self.heading):
-                self._switch(i, excess(found.equilibrium, i))
+    def _change_both(self, found: Verified, following: float) -> None:
+        """Contacts change in the same step: go to where they do, and change the hold there; else take half of it."""
+        travel = self._travel(self.parameter, following)
+        late = [grip_of(found.equilibrium, i).hold for i in self._overdue(found.equilibrium)]
+        if travel < _SHORTEST * (1 if "stick" in late else _REVERSED):
+            self._accept_late(following, found)
             return
-        self._step((self.parameter + following) / 2)
+        half, aside = (self.parameter + following) / 2, (following - self.parameter) * _ASIDE * _SHORTEST / travel
+        new = Along(following, found.equilibrium)
+        try:
+            changed = changes(self.setting, self.path, self.here, new, self.order)
+            where = min((change.parameter for change in changed), key=lambda p: abs(p - self.parameter))
+            ahead = (where - self.parameter) / aside
+            if ahead > 2:
+                near, reached = self.parameter + (ahead - 1) * aside, None
+            else:  # it may have been kept a hair beyond
+                near = self.parameter + max(ahead + 1, 1.0) * aside
+                reached = verify(self.setting, branch_from(self.setting, self.path, new, self.order).at(near))
+        except NoEquilibriumError:
+            near, reached = half, None
+        if reached is None:
+            part = (near - self.parameter) / (following - self.parameter)
+            self._step(near if part < _MOSTLY else half)
+        else:
+            self._accept_late(near, reached)
+
+    def _accept_late(self, following: float, found: Verified) -> None:
+        """Go on, and change the holds that are overdue there."""
+        self._accept(following, found)
+        for i in self._overdue(found.equilibrium):
+            self._switch(i, excess(found.equilibrium, i))
 
     def _switch(self, i: int, bound: float) -> None:
         """Change the hold of a contact here: slip to stick, or stick to slip.
@@ -340,12 +391,24 @@ class FrictionTracker(Tracker):
         if sense and (i, self.parameter, sense) in self._switched:
             sense, why = -sense, "the other way"
         if (i, self.parameter, sense) in self._switched:
+            if grip.hold == "slip" and abs(slip_rates(equilibrium)[i]) <= rolling(equilibrium, i):
+                self._rolls = True
+                return
             raise NoEquilibriumError("no hold of a contact is consistent with Coulomb's law")
         self._switched = {at for at in self._switched if at[1] == self.parameter}
         self._switched |= {(i, self.parameter, grip.sense), (i, self.parameter, sense)}
         found = regripped(self.setting, equilibrium, i, sense, self.order)
+        if not sense and self._sticks_shortly(found, i):
+            sense, why = -grip.sense, "the other way"
+            found = regripped(self.setting, equilibrium, i, sense, self.order)
         self.current = verify(self.setting, found)
         self._tell("slip" if sense else "stick", found, i, why)
+
+    def _sticks_shortly(self, found: Equilibrium, i: int) -> bool:
+        """Whether a contact that begins to stick slips the other way before the least step is over."""
+        rate, ratio = ratio_rate(found, i) * self.heading, grip_of(found, i).ratio
+        room = coefficient(found, i) + abs(ratio)
+        return rate * ratio < 0 and room * speed(found) < _BRIEF * abs(rate)
 
 
 def holds(equilibrium: Equilibrium) -> list[tuple[Feature, str | None]]:

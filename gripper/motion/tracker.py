@@ -33,7 +33,7 @@ from gripper.statics.settling import settle_contacts
 from gripper.statics.snap import distance
 from gripper.statics.verified import Verified, stability, untouched, verify
 
-_INDIVISIBLE = 2e-6  # of L: events nearer than this are one
+_INDIVISIBLE = 5e-6  # of L: events nearer than this are one
 _PATIENCE = 30  # steps that may fail on the way to a pose, or to a snap
 _SETTLING = 20  # evaluations of the gaps in a step that fails
 _EFFORT = 4000  # evaluations of the gaps that may be in vain on the way to a pose
@@ -196,25 +196,28 @@ class Tracker:
         return touched(self.stride, self.here, following, self.order, known)
 
     def _followed(self, following: float) -> Verified:
-        """Predict along the tangent and correct; SLSQP where the contacts change on the way."""
+        """Predict along the tangent and correct; SLSQP where other contacts come on the way than were foreseen."""
         start = self.current.equilibrium
         guess = self.trail.predicted(self.here, following - self.parameter)
         travel = self._travel(self.parameter, following)
         expected = float(np.linalg.norm(guess.z - start.state.z))
         try:
-            found = self._at(following, self._handed(following, guess))
-            if found.equilibrium.correction > 0.5 * expected + 0.05 * travel:
+            handed = self._handed(following, guess)
+            found = self._at(following, handed)
+            if found.equilibrium.correction <= 0.5 * expected + 0.05 * travel:
+                return found
+            if touching(found.equilibrium.state) == touching(handed):
                 raise NoEquilibriumError("the step departs from its prediction")
         except NoEquilibriumError:
             if travel < 2 * SHORTEST and np.all(guess.multipliers > 0):  # no contact is about to let go
                 raise
             found = self._found(following, guess)
-            state = found.equilibrium.state
-            check_moved((*state.sites, *self.sites), distance(state, start.state), max(travel, expected / 2))
-            if travel > _INDIVISIBLE:
-                self._exchange(following, found)
-                before, after = self.here, Along(following, found.equilibrium)
-                check_unbroken(self.setting, self.path, before, after, self.order)
+        state = found.equilibrium.state
+        check_moved((*state.sites, *self.sites), distance(state, start.state), max(travel, expected / 2))
+        if travel > _INDIVISIBLE:
+            self._exchange(following, found)
+            before, after = self.here, Along(following, found.equilibrium)
+            check_unbroken(self.setting, self.path, before, after, self.order)
         return found
 
     def _handed(self, following: float, guess: State) -> State:
@@ -294,6 +297,11 @@ class Tracker:
             self.iterations += self.current.equilibrium.iterations
             error = discretisation_error(self.setting, self.current.equilibrium)
         return Answer(self.current, error, 0.0, self.iterations)
+
+
+def touching(state: State) -> list[tuple[str, int, int]]:
+    """What touches what, wherever."""
+    return [(site.kind, site.piece, site.vertex) for site in state.sites]
 
 
 def tracker_for(setting: Setting) -> type[Tracker]:

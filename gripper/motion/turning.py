@@ -13,6 +13,7 @@ from gripper.motion.branch import SHARP, Along, Path, bracketed, branch_from, jo
 from gripper.motion.pinned import Pin
 from gripper.statics.contact_forces import normal_force
 from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting
+from gripper.statics.lying import reach
 from gripper.statics.nearby import vertex_height
 from gripper.statics.rolling import corners_along, strongest_alone
 from gripper.statics.snap import distance
@@ -102,7 +103,12 @@ def _at_end(setting: Setting, equilibrium: Equilibrium, i: int, far: bool) -> Pi
         return Pin(first, 0.0)
     if site.unknown_places < len(site.place):
         return None
-    return Pin(first + site.unknown_places - 1, setting.outline.pieces[site.piece].length)
+    return Pin(first + site.unknown_places - 1, setting.outline.pieces[site.piece].length - _beyond(setting, site))
+
+
+def _beyond(setting: Setting, site: Site) -> float:
+    """How far before the end of its piece a contact goes over: where its force acts there."""
+    return reach(setting, site) if site.grip is not None and site.grip.flush else 0.0
 
 
 def _from_end(setting: Setting, equilibrium: Equilibrium, i: int, far: bool) -> tuple[float, float]:
@@ -111,7 +117,8 @@ def _from_end(setting: Setting, equilibrium: Equilibrium, i: int, far: bool) -> 
     site, first = sites[i], sum(site.unknowns for site in sites[:i])
     rates = equilibrium.tangent()[2][first : first + site.unknown_places]
     if far:
-        return setting.outline.pieces[site.piece].length - site.place[-1], -float(rates[-1])
+        end = setting.outline.pieces[site.piece].length - _beyond(setting, site)
+        return end - site.place[-1], -float(rates[-1])
     return site.place[0], float(rates[0])
 
 

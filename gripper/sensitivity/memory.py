@@ -13,7 +13,7 @@ from gripper.contact.grip import Anchor
 from gripper.contact.outline import dot
 from gripper.sensitivity.flow import Change
 from gripper.sensitivity.tangent import Rates
-from gripper.sensitivity.touching import Span, Touching
+from gripper.sensitivity.touching import Span, Touching, UndifferentiatedError
 from gripper.statics.equilibrium import Equilibrium
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 _TOUCHED = 1e-3  # of L: a contact that was decided within this of where it was met began there
 
 
-class UnknownPastError(Exception):
+class UnknownPastError(UndifferentiatedError):
     """What a contact remembers cannot be traced back to the scene's numbers; says why."""
 
 

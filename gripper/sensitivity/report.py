@@ -20,6 +20,7 @@ from gripper.sensitivity.object_rates import object_rates
 from gripper.sensitivity.opened import NotOpenError
 from gripper.sensitivity.seeds import Seeds
 from gripper.sensitivity.summary_rates import Rows, summary_rates
+from gripper.sensitivity.touching import UndifferentiatedError
 from gripper.statics.equilibrium import NoEquilibriumError
 
 if TYPE_CHECKING:
@@ -197,6 +198,8 @@ def _of_pose(result: Result, seeds: Seeds, pose: PoseResult, kept: Kept | None) 
             reason = "the equilibrium is at a limit point, where its derivatives are infinite"
         except UnknownPastError as error:
             reason = f"{error}: where it began to is not known by the scene's numbers"
+        except UndifferentiatedError as error:
+            reason = str(error)
     return [_none(pose, reason)] * len(seeds.keys)
 
 

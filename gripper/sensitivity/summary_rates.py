@@ -16,9 +16,9 @@ from gripper.results.kept import Way
 from gripper.results.summary import Summary
 from gripper.sensitivity.gap_rates import gap_rates, meeting_rates
 from gripper.sensitivity.jet import NotFormedError
-from gripper.sensitivity.memory import UnknownPastError
 from gripper.sensitivity.peaks import Peaking, Summit
 from gripper.sensitivity.seeds import Seeds
+from gripper.sensitivity.touching import UndifferentiatedError
 from gripper.sensitivity.work_rates import Account
 from gripper.statics.contact_forces import drive
 from gripper.statics.equilibrium import NoEquilibriumError
@@ -141,7 +141,7 @@ class _Peaks:
             return Summit(self.seeds, what, peak.value, self.way).rates(peak.kept.exact)
         except NotFormedError as error:
             return Peaking(missing=f"it changes with second derivatives, which are not formed of {error}")
-        except UnknownPastError as error:
+        except UndifferentiatedError as error:
             return Peaking(missing=f"{error}: where it began to is not known by the scene's numbers")
         except (NoEquilibriumError, np.linalg.LinAlgError):
             return Peaking(missing=_LIMIT)
@@ -210,7 +210,7 @@ def _work(rows: Rows, result: Result, seeds: Seeds, keys: Sequence[str]) -> None
     if reason is None and way is not None:
         try:
             found = Account(seeds, way).rates()
-        except UnknownPastError as error:
+        except UndifferentiatedError as error:
             reason = f"{error}: where it began to is not known by the scene's numbers"
         except (NoEquilibriumError, np.linalg.LinAlgError) as error:
             reason = f"the motion's way is not found again: {error}"

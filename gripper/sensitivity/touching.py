@@ -70,6 +70,10 @@ def _query(site: Site, order: int) -> Array:
     return np.append(gauss, site.place[: site.unknown_places])
 
 
+class UndifferentiatedError(Exception):
+    """An equilibrium has no derivatives here; says why."""
+
+
 class Touching:
     """An equilibrium read at its contacts.
 
@@ -83,9 +87,16 @@ class Touching:
         Gives what the sections answer, its slope along the finger and its rates.
     loads
         Rates of what else loads the finger.
+
+    Raises
+    ------
+    UndifferentiatedError
+        Where friction goes with the pressure to where both have no moment.
     """
 
     def __init__(self, setting: Setting, equilibrium: Equilibrium, finger: FingerRates, loads: LoadRates) -> None:
+        if any(site.flush for site in equilibrium.state.sites):
+            raise UndifferentiatedError("the face lies on a flat along which friction spreads the pressure")
         self.setting, self.equilibrium, self.obstacle = setting, equilibrium, equilibrium.obstacle
         self.rest = setting.sections.rest
         state = equilibrium.state

@@ -70,8 +70,9 @@ class Account:
 
         Raises
         ------
-        NoEquilibriumError, UnknownPastError, LinAlgError
-            Where the way is not found again, a contact's past is not known, or at a limit point.
+        NoEquilibriumError, UndifferentiatedError, LinAlgError
+            Where the way is not found again, a contact's past or the rates of its force are not known, or at a limit
+            point.
         """
         if not self.way.steps:
             return Work(self.none, self.none, self.none)

@@ -81,6 +81,23 @@ def ratio_rate(equilibrium: Equilibrium, i: int) -> float:
     return float(tangent(equilibrium)[2][sum(site.unknowns for site in sites[: i + 1]) - 1])
 
 
+def rolling(equilibrium: Equilibrium, i: int) -> float:
+    """By how much the matter before and behind a contact that rolls along a face slip apart, by the parameter.
+
+    Friction's lever to the axis turns the section: the curvature jumps there, and with it how fast sections turn.
+    """
+    site, sections = equilibrium.state.sites[i], equilibrium.state.beam.sections
+    if site.kind != "tangent" or not site.on_face or site.flush:
+        return 0.0
+    place = np.array([site.middle])
+    half = float(sections.thickness(place)[0]) / 2
+    ratio = grip_of(equilibrium, i).ratios(site.piece, site.middle)[0]
+    friction = abs(ratio) * abs(complex(equilibrium.linear.forces[i].sum())) / float(np.hypot(1.0, ratio))
+    bent = friction * half / float(sections.stiffness(place)[0][0])
+    moving = float(tangent(equilibrium)[2][sum(s.unknowns for s in equilibrium.state.sites[:i])])
+    return half * bent * abs(moving)
+
+
 def margin(equilibrium: Equilibrium, i: int, heading: float, bound: float) -> float:
     """How far a contact is from changing its hold: at least 0 where it may stay.
 

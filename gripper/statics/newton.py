@@ -14,6 +14,7 @@ from gripper.contact.obstacle import Obstacle
 from gripper.contact.rows import Linearisation
 from gripper.contact.site import WIDE
 from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, anchored, kkt_step
+from gripper.statics.patches import flushed
 from gripper.statics.steps import advanced, ends_at, largest
 
 _ITERATIONS = 20
@@ -62,6 +63,8 @@ def settle(setting: Setting, obstacle: Obstacle, state: State, order: int, *, ju
         raise NoEquilibriumError("a patch has shrunk to nothing")
     if any(site.kind != "patch" and site.modes >= WIDE for site in state.sites):
         order = max(order, _FLUSH_ORDER)
+    if state.sites[0].grip is not None:
+        state = flushed(setting, obstacle, state)
     return _newton(setting, obstacle, state, order, judged=judged and obstacle.acting is None)
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from gripper.beam.legendre import legendre
 from gripper.contact.obstacle import Obstacle
+from gripper.contact.outline import UPPER
 from gripper.contact.site import NARROW, WIDE, Site
 from gripper.statics.equilibrium import Equilibrium, Setting, State
 
@@ -83,6 +84,27 @@ def lies_flat(setting: Setting, obstacle: Obstacle, state: State, site: Site) ->
     place, piece = np.array(site.place[:1]), np.array([site.piece])
     points, *_ = setting.outline.trace(state.axis, piece, place, state.beam.segment_of(place))
     return float(np.abs(obstacle.curvature(points)[2]).max()) < _STRAIGHT
+
+
+def flushed(setting: Setting, obstacle: Obstacle, state: State) -> State:
+    """The state with its last contact told whether the face lies on a flat from there on, in bending with friction.
+
+    With shear a pressure of its own tells (a tail); other contacts, or loads, beyond it bend the face there.
+    """
+    sites = state.sites
+    if setting.theory != "bending" or setting.loads is not None or sites[0].grip is None:
+        return state
+    last = max(range(len(sites)), key=lambda i: (sites[i].piece > UPPER, sites[i].middle))
+    site = sites[last]
+    lies = site.kind in ("tangent", "node") and site.on_face and setting.sections.rest is None
+    lies = lies and 0 < site.middle < 1 and lies_flat(setting, obstacle, state, site)
+    new = [
+        replace(s, grip=replace(s.grip, flush=lies and i == last))
+        if s.grip is not None and s.grip.flush != (lies and i == last)
+        else s
+        for i, s in enumerate(sites)
+    ]
+    return replace(state, sites=tuple(new))
 
 
 def decay_length(setting: Setting, s: float) -> float:

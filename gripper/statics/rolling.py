@@ -125,8 +125,8 @@ def _between(setting: Setting, equilibrium: Equilibrium) -> State | None:
         forces = float(state.loads[i][0]), float(state.loads[j][0])
         if setting.theory == "bending":
             touch = Site("tangent", one.piece, (float(u[np.argmin(gaps)]),))
-            return _instead(state, (i, j), [(touch, [sum(forces)])])
-        return _instead(state, (i, j), _flush(setting, one, other, forces))
+            return instead(state, (i, j), [(touch, [sum(forces)])])
+        return instead(state, (i, j), _flush(setting, one, other, forces))
     return None
 
 
@@ -141,7 +141,7 @@ def _before(setting: Setting, equilibrium: Equilibrium) -> State | None:
         sunk = (site.piece, site.vertex) not in tails and _gaps(setting, equilibrium, site, (near, site.place[0]))[1]
         if np.min(sunk) < -DEPTH / 2:
             force, decay = float(state.loads[i][0]), decay_length(setting, site.place[0])
-            return _instead(state, (i,), _tailed(setting, site, force, min(_FLUSH * decay, site.place[0] / 2)))
+            return instead(state, (i,), _tailed(setting, site, force, min(_FLUSH * decay, site.place[0] / 2)))
     return None
 
 
@@ -153,7 +153,7 @@ def _gaps(setting: Setting, equilibrium: Equilibrium, site: Site, ends: tuple[fl
     return u, equilibrium.obstacle.gap(points)
 
 
-def _instead(state: State, gone: tuple[int, ...], come: list[tuple[Site, list[float]]]) -> State:
+def instead(state: State, gone: tuple[int, ...], come: list[tuple[Site, list[float]]]) -> State:
     """The state with other contacts in the place of some, with their multipliers."""
     rest = [k for k in range(len(state.sites)) if k not in gone]
     loads = [*(state.loads[k] for k in rest), *(np.array(load) for _, load in come)]

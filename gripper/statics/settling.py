@@ -9,6 +9,7 @@ from gripper.contact.obstacle import Obstacle
 from gripper.contact.rows import Linearisation
 from gripper.contact.site import Site
 from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, State
+from gripper.statics.lying import laid, laid_ahead
 from gripper.statics.newton import settle
 from gripper.statics.patches import PATCH, fit_patches, spread_out, with_sites
 from gripper.statics.rolling import rolled_ahead, rolled_on
@@ -35,14 +36,16 @@ def settle_contacts(
     NoEquilibriumError
         Where Newton does not converge.
     """
-    foreseen = rolled_ahead(setting, obstacle, _foreseen(setting, obstacle, state, known))
+    foreseen = laid_ahead(
+        setting, obstacle, rolled_ahead(setting, obstacle, _foreseen(setting, obstacle, state, known))
+    )
     try:
         found = settle(setting, obstacle, foreseen, order, judged=judged)
     except NoEquilibriumError:
         if foreseen is state:
             raise
         found = settle(setting, obstacle, state, order, judged=judged)
-    found = rolled_on(setting, found, order, judged=judged)
+    found = laid(setting, rolled_on(setting, found, order, judged=judged), order, judged=judged)
     sites = fit_patches(setting, found)
     if sites == found.state.sites:
         return found
