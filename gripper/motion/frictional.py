@@ -406,6 +406,8 @@ class FrictionTracker(Tracker):
 
     def _sticks_shortly(self, found: Equilibrium, i: int) -> bool:
         """Whether a contact that begins to stick slips the other way before the least step is over."""
+        if len(leaders(found)) > 1 or not all(site.on_face for site in found.state.sites):
+            return False  # one may let go before
         rate, ratio = ratio_rate(found, i) * self.heading, grip_of(found, i).ratio
         room = coefficient(found, i) + abs(ratio)
         return rate * ratio < 0 and room * speed(found) < _BRIEF * abs(rate)
