@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 import gripper as gr
+from gripper_plugins.fingers.tapered import Tapered
 from gripper_plugins.fingers.uniform import Uniform
 from gripper_plugins.jaws.polygon import PolygonJaw
 from gripper_plugins.jaws.triangle import Triangle
@@ -325,3 +326,25 @@ def test_work_of_a_pin_that_slips_off_a_corner_is_booked_however_steeply_its_for
     result = gr.trace(scene)
     assert "change" in kinds(result) and kinds(result)[-1] == "release"
     assert balance(result.poses).max() < 2e-4
+
+
+@pytest.mark.parametrize("coefficient", [None, 0.48])
+def test_the_first_of_two_pins_is_met_where_it_is_however_long_the_step(coefficient):
+    """On a long stretch of the face the least sample may lie beside a crest: the first pin's top is behind that."""
+    left, radius = -0.048305763, 0.0415080565
+    pins = Union(parts=(Circle(radius=radius).at(x=left), Circle(radius=0.0462094).at(x=-left)))
+    target = pins.at(x=0.65 - 0.108232067 * Q, y=0.1 * Q - 0.0998096678, angle=0.2032512424 * Q - 0.1759562457)
+    friction = gr.Friction(coefficient=coefficient) if coefficient else None
+    material = gr.Material(youngs_modulus=55e3, poisson_ratio=0.3)
+    finger = Tapered(length=1.0, base_thickness=0.078, tip_thickness=0.048, width=1.0, material=material)
+    scene = gr.Scene(finger=finger, object=target, motion=gr.Motion("q", (-0.2, 0.1, 0.3)))
+    there = gr.trace(replace(scene, friction=friction))
+
+    def room(q):
+        """Between the straight face, y = -0.039 + 0.015 s, and the left pin."""
+        centre = complex(0.65 - 0.108232067 * q, 0.1 * q - 0.0998096678)
+        centre += left * complex(np.exp(1j * (0.2032512424 * q - 0.1759562457)))
+        return (-0.039 + 0.015 * centre.real - centre.imag) / math.hypot(1, 0.015) - radius
+
+    assert kinds(there) == ["touch"] and not there.failed
+    assert there.events[0].parameter == pytest.approx(brentq(room, 0.1, 0.3), abs=1e-8)

@@ -205,7 +205,10 @@ class FrictionTracker(Tracker):
         self.heading = float(np.sign(following - start))
         before = 2 * touch - near
         if (before - start) * self.heading > 0:  # so that the touch is located on a short step
-            self.parameter, self.current = before, self._free(before, self.current.equilibrium.state)
+            shortly = self._free(before, self.current.equilibrium.state)
+            if not shortly.survey.clear:
+                raise NoEquilibriumError("what is touched first is not found")
+            self.parameter, self.current = before, shortly
         found = None
         try:
             found = self._decided(self._touched(near))

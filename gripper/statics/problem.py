@@ -263,9 +263,9 @@ class Problem:
 
     def _minima(self, axis: Axis) -> Array:
         rows = np.arange(len(self._owners))
-        places, gaps, sampled = self._least(axis, rows, self._u, self._segment)
-        hidden = np.flatnonzero(gaps > sampled + _HIDDEN)
-        if hidden.size:  # the bracket held two minima, and the root was the higher one's: look closer
+        places, hides = self._least(axis, rows, self._u, self._segment)
+        hidden = np.flatnonzero(hides)
+        if hidden.size:  # look closer
             step = self._u[hidden, 1] - self._u[hidden, 0]
             low, high = (np.clip(places[hidden] + way * step, *self._u[hidden][:, [0, -1]].T) for way in (-1.0, 1.0))
             closer = low[:, None] + (high - low)[:, None] * _CLOSER
@@ -273,8 +273,11 @@ class Problem:
             places[hidden] = self._least(axis, hidden, closer, segments)[0]
         return places
 
-    def _least(self, axis: Axis, rows: Index, u: Array, segments: Index) -> tuple[Array, Array, Array]:
-        """On stretches with samples u (k, j): where the gap is least, the gap there, the least sampled one (k,)."""
+    def _least(self, axis: Axis, rows: Index, u: Array, segments: Index) -> tuple[Array, Array]:
+        """On stretches with samples u (k, j): where the gap is least, and whether a lower minimum hides beside it (k,).
+
+        It does where the bracket held two minima and the root is the higher one's, or one and a crest behind it.
+        """
         count, each = u.shape[1], np.arange(len(rows))
         pieces = np.repeat(self._piece[rows, 0], count)
         known = self._slope(axis, u.ravel(), pieces, segments.ravel(), np.repeat(rows, count))
@@ -285,7 +288,7 @@ class Problem:
         a, b = u[each, least], u[each, other]
         fa, fb = slope[each, least], slope[each, other]
         lowest, sampled = g[each, least], g[each, least]
-        inner = (other != least) & (fa * fb < 0)
+        inner, crest = (other != least) & (fa * fb < 0), (other != least) & (fa * fb > 0)
         piece, segment = self._piece[rows, 0], segments[each, least]
         for refinement in range(_MOST_REFINEMENTS):
             rise = np.where(inner, fb - fa, 1.0)
@@ -299,4 +302,5 @@ class Problem:
             stays = np.where(refinement < _REFINEMENTS, 1.0, 0.5)
             a, fa, b, fb = c, fc, np.where(keep, a, b), np.where(keep, fa, fb * stays)
             inner &= np.abs(fa) > 1e-14
-        return np.where(inner, a - fa * (b - a) / np.where(inner, fb - fa, 1.0), a), lowest, sampled
+        places = np.where(inner, a - fa * (b - a) / np.where(inner, fb - fa, 1.0), a)
+        return places, crest | (lowest > sampled + _HIDDEN)
