@@ -1,14 +1,14 @@
-"""Where a number of an equilibrium is largest on a step: climbed by cubics through values and slopes.
+"""Where a number of an equilibrium is largest on a step: climbed by polynomials through the samples about it.
 
-The slope is that along the tangent of the KKT system. A step on which contacts change is climbed on both sides of the
-change, each on the branch of its own end.
+Where these are few on one branch, by cubics through values and slopes, the slope being that along the tangent of the
+KKT system. A step on which contacts change is climbed on both sides of the change, each on the branch of its own end.
 """
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -16,11 +16,15 @@ import numpy as np
 from gripper.arrays import Array
 from gripper.contact.parabola import vertex
 from gripper.motion.branch import Along, Path, branch_from, nudged, pointed
+from gripper.motion.through import Through
 from gripper.statics.balance import cubic
 from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting
 
 MARKS = np.linspace(0.0, 1.0, 129)
 _CLIMBS = 8
+_FEWEST = 5  # samples of one branch that a polynomial is laid through
+_NODES = 6  # at most
+_SMOOTH = 1e-9  # of the value: where a polynomial may hide no more than this above a known point, it is the summit
 _SHARP = 1e-10  # of the value: where a cubic promises no more than this, it is a summit
 
 
@@ -59,11 +63,15 @@ class Sample:
 
 @dataclass(frozen=True, eq=False)
 class Flank:
-    """A step from the highest sample of a local maximum to the next one; where contacts changed, from the top on."""
+    """A step from the highest sample of a local maximum to the next one; where contacts changed, from the top on.
+
+    Where they did not: the samples before and after that have the same contacts.
+    """
 
     top: Sample
     foot: Sample
     changed: tuple[float, ...] = ()
+    beside: Sequence[Sample] = ()
 
 
 def at_change(setting: Setting, path: Path, known: Along, parameter: float, order: int) -> Along | None:
@@ -103,6 +111,10 @@ class Climber:
         Between two samples a hill rises above both by a quarter of their difference, if it is a parabola.
         """
         top, foot = flank.top.at, flank.foot.at
+        if top.parameter == foot.parameter:
+            return Summit(flank.top.values[name], top)
+        if len(flank.beside) >= _FEWEST:
+            return self._between(name, measure, flank, known)
         if flank.changed and not (top.equilibrium.state.sites and foot.equilibrium.state.sites):
             heights = [flank.top.values[name], flank.foot.values[name]]  # of which the free one's is the change's, too
             if max(heights) + abs(heights[0] - heights[1]) < known:
@@ -124,6 +136,27 @@ class Climber:
             except NoEquilibriumError:
                 continue  # at a limit point: the sample beside it stands
         return max(found, key=lambda summit: summit.value)
+
+    def _between(self, name: str, measure: Measure, flank: Flank, known: float) -> Summit:
+        """The highest point of a flank by the polynomial through the samples about it, and through what is found."""
+        top, start = flank.top, flank.top.at.parameter
+        way = flank.foot.at.parameter - start
+        near = sorted(flank.beside, key=lambda sample: abs(sample.at.parameter - start - way / 2))[:_NODES]
+        samples = [((sample.at.parameter - start) / way, sample.values[name]) for sample in near]
+        through, branch = Through(samples), branch_from(self.setting, self.path, top.at, self.order)
+        summit = Summit(top.values[name], top.at)
+        for _ in range(_CLIMBS):
+            place, hope = through.highest()
+            if hope <= max(known, summit.value + _SMOOTH * abs(summit.value)) or not 0 < place < 1:
+                break
+            try:
+                found = Along(start + way * place, branch.at(start + way * place))
+            except NoEquilibriumError:
+                break  # the samples stand
+            value = measure.value(found.equilibrium, top.heading)
+            through.add(place, value)
+            summit = max(summit, Summit(value, found), key=lambda summit: summit.value)
+        return summit
 
     def _changed(self, known: Along, parameter: float) -> Along | None:
         """The equilibrium where contacts change, reckoned once for all measures."""

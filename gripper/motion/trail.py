@@ -27,7 +27,7 @@ class Trail:
 
     def step(self, old: Along, new: Along, *, changed: bool) -> None:
         """Take in a step, on which contacts changed or stayed as they are."""
-        same = not changed and _alike(old.equilibrium.state, new.equilibrium.state)
+        same = not changed and alike(old.equilibrium.state, new.equilibrium.state)
         self._before = [old, *self._behind(old)][:_REMEMBERED] if same else []
 
     def forget(self) -> None:
@@ -59,11 +59,11 @@ class Trail:
 
     def _behind(self, now: Along) -> list[Along]:
         """What is remembered, if it has the contacts of where the motion is now."""
-        same = self._before and _alike(self._before[0].equilibrium.state, now.equilibrium.state)
+        same = self._before and alike(self._before[0].equilibrium.state, now.equilibrium.state)
         return self._before if same else []
 
 
-def _alike(one: State, other: State) -> bool:
+def alike(one: State, other: State) -> bool:
     """Whether two states have the same contacts, held alike, and the same unknowns."""
     if len(one.sites) != len(other.sites) or one.z.size != other.z.size:
         return False

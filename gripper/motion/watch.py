@@ -17,6 +17,7 @@ import numpy as np
 from gripper.arrays import Array
 from gripper.motion.branch import Along, Path, branch_from
 from gripper.motion.climb import MARKS, Climber, Flank, Measure, Sample, Summit, at_change
+from gripper.motion.trail import alike
 from gripper.statics.balance import Balance, cubic
 from gripper.statics.contact_forces import drive
 from gripper.statics.equilibrium import NoEquilibriumError, Setting
@@ -31,16 +32,17 @@ class _Step:
     last: Sample
     changed: tuple[float, ...]
     leg: int
+    run: list[Sample]  # what is known of its branch, growing
 
     @property
     def down(self) -> Flank:
         """The step, as it falls from its first sample."""
-        return Flank(self.first, self.last, self.changed)
+        return Flank(self.first, self.last, self.changed, self.run)
 
     @property
     def up(self) -> Flank:
         """The step backwards, as it rises to its last sample."""
-        return Flank(self.last, self.first, self.changed[::-1])
+        return Flank(self.last, self.first, self.changed[::-1], self.run)
 
 
 @dataclass
@@ -95,7 +97,7 @@ class Watch:
         self._stood = after
         heading = float(np.sign(after.parameter - before.parameter))
         first, last = self._sample(before, heading), self._sample(after, heading)
-        self._follow(_Step(first, last, tuple(changed), self.leg))
+        self._follow(_Step(first, last, tuple(changed), self.leg, self._run(first, last, bool(changed))))
 
     def stand(self, at: Along) -> None:
         """Take in a pose, which may be reached without a step."""
@@ -189,6 +191,15 @@ class Watch:
                 return last.last
         values = {name: measure.value(at.equilibrium, heading) for name, measure in self._active().items()}
         return Sample(at, heading, values)
+
+    def _run(self, first: Sample, last: Sample, changed: bool) -> list[Sample]:
+        """The samples with the contacts that a step has from end to end; none where they change."""
+        run = self._last.run if self._last and self._last.last is first else []
+        if changed or not alike(first.at.equilibrium.state, last.at.equilibrium.state):
+            return []
+        run = run or [first]
+        run.append(last)
+        return run
 
     def _active(self) -> dict[str, Measure]:
         return {name: measure for name, measure in self.measures.items() if measure.leg in (None, self.leg)}
