@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gripper.parameters import number
-from gripper.results.pose_result import Record
+from gripper.results.record import Record
 from gripper.results.summary import QUANTITIES, Summary
 from gripper.scene import Scene
 from gripper.sweep.pool import processes

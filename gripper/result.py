@@ -18,12 +18,11 @@ from gripper.results.pose_result import (
     Contact,
     ErrorEstimate,
     PoseResult,
-    Record,
-    Shape,
     Status,
     Vector,
-    jsonable,
 )
+from gripper.results.record import Record, jsonable
+from gripper.results.shape import Shape
 from gripper.results.summary import Summary, summarised
 from gripper.scene import Scene
 

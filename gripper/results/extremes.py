@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 
 from gripper.results.kept import Kept, Way
-from gripper.results.pose_result import Record
+from gripper.results.record import Record
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -3,61 +3,17 @@
 from __future__ import annotations
 
 import dataclasses
-import math
-from collections.abc import Mapping
-from typing import Any, Literal, Self
-
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from typing import Any, Literal
 
 from gripper.results.kept import Kept
+from gripper.results.record import Record, jsonable
+from gripper.results.shape import Shape
 
 Vector = tuple[float, float]
 _FIRST = ("parameter", "status", "reason")
 _WHERE_THERE = ("work", "dissipation", "load_energy", "loads")
 _OF_FRICTION = ("singularity", "other_solutions")
-_AS_THEY_ARE = (str, int, bool, type(None))
 Status = Literal["free", "contact", "locked", "failed"]
-
-
-def _check_finite(name: str, value: Any) -> None:
-    for item in value if isinstance(value, tuple) else (value,):
-        if isinstance(item, float) and not math.isfinite(item):
-            raise ValueError(f"{name} must be finite, or None where there is no answer; got {value!r}")
-
-
-def plain(value: Any) -> Any:
-    """Arrays and lists as tuples, numpy's numbers as Python's, so that results compare and become JSON."""
-    if type(value) in (float, int):
-        return value
-    if hasattr(value, "tolist"):
-        value = value.tolist()
-    return tuple(plain(item) for item in value) if isinstance(value, (list, tuple)) else value
-
-
-class Record:
-    """A frozen record of finite plain numbers."""
-
-    def __post_init__(self) -> None:
-        self._settle(self.__dict__)
-
-    def _settle(self, values: Mapping[str, Any]) -> None:
-        """Check some of its values, and keep them as plain data."""
-        for name, given in values.items():
-            kind = type(given)
-            if kind in _AS_THEY_ARE or (kind is float and math.isfinite(given)) or isinstance(given, Record):
-                continue
-            value = plain(given)
-            _check_finite(name, value)
-            if value is not given:
-                object.__setattr__(self, name, value)
-
-    def but(self, **values: Any) -> Self:
-        """The same record with other values of some fields: only these are checked."""
-        other = object.__new__(type(self))
-        other.__dict__.update(self.__dict__, **values)
-        other._settle(values)
-        return other
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -167,55 +123,6 @@ class ErrorEstimate(Record):
 
     discretisation: float | None = None
     next_theory: float | None = None
-
-
-def _points(values: ArrayLike) -> NDArray[np.float64]:
-    array = np.array(values, dtype=float)
-    array.setflags(write=False)
-    return array
-
-
-@dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
-class Shape:
-    """The outline of a pose in the world frame, for drawing: read-only arrays, in m.
-
-    Parameters
-    ----------
-    axis, lower, upper
-        Neutral axis and both faces, from clamp to tip, (n, 2) each.
-    strain
-        Bending strain of the faces, |kappa| w / 2, (n,).
-    jaw
-        The jaw's polygon, (m, 2), or None.
-    clamp_pose, object_pose
-        x, y (m) and angle (rad).
-    """
-
-    axis: NDArray[np.float64]
-    lower: NDArray[np.float64]
-    upper: NDArray[np.float64]
-    strain: NDArray[np.float64]
-    jaw: NDArray[np.float64] | None = None
-    clamp_pose: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    object_pose: tuple[float, float, float] = (0.0, 0.0, 0.0)
-
-    def __post_init__(self) -> None:
-        for name in ("axis", "lower", "upper", "strain", "jaw"):
-            value = getattr(self, name)
-            object.__setattr__(self, name, None if value is None else _points(value))
-        for name in ("clamp_pose", "object_pose"):
-            object.__setattr__(self, name, plain(getattr(self, name)))
-        expected = (len(self.axis), 2)
-        for name in ("axis", "lower", "upper"):
-            if getattr(self, name).shape != expected:
-                raise ValueError(f"{name} must have shape {expected}, in m; got {getattr(self, name).shape}")
-        if self.strain.shape != expected[:1]:
-            raise ValueError(f"strain must have shape {expected[:1]}; got {self.strain.shape}")
-
-    @property
-    def outline(self) -> NDArray[np.float64]:
-        """The finger's closed outline: lower face, end face, upper face back to the clamp, (2 n, 2), in m."""
-        return np.concatenate([self.lower, self.upper[::-1]])
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -331,10 +238,3 @@ def _written(checks: Checks) -> dict[str, Any]:
     """Checks, without those of friction where there is none."""
     whole: dict[str, Any] = jsonable(checks)
     return {name: value for name, value in whole.items() if name not in _OF_FRICTION or value is not None}
-
-
-def jsonable(value: Any) -> Any:
-    """Write records as dictionaries and tuples as lists."""
-    if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        return {field.name: jsonable(getattr(value, field.name)) for field in dataclasses.fields(value)}
-    return [jsonable(item) for item in value] if isinstance(value, (list, tuple)) else value

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from gripper.pose import placed
 from gripper.results.extremes import Extreme, Extremes
-from gripper.results.pose_result import PoseResult, Record
+from gripper.results.pose_result import PoseResult
+from gripper.results.record import Record
 
 if TYPE_CHECKING:
     from gripper.result import Result

@@ -11,7 +11,8 @@ import numpy as np
 from gripper.parameters import number, numbers
 from gripper.pose import placed
 from gripper.results.kept import Kept
-from gripper.results.pose_result import PoseNumbers, PoseResult, Record, Vector, jsonable
+from gripper.results.pose_result import PoseNumbers, PoseResult, Vector
+from gripper.results.record import Record, jsonable
 from gripper.scene import Scene
 from gripper.sensitivity.limits import refusal, side
 from gripper.sensitivity.memory import UnknownPastError

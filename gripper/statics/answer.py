@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -16,8 +18,8 @@ from gripper.statics.checked import checked, shortcoming
 from gripper.statics.clearance import clearance
 from gripper.statics.contact_forces import NO_FORCE, cross, drive, loads
 from gripper.statics.enriched import relative_change
-from gripper.statics.equilibrium import Equilibrium, Setting
-from gripper.statics.profile import Profile, largest_strain, profile, unknown
+from gripper.statics.equilibrium import Equilibrium, Setting, State
+from gripper.statics.profile import drawn, largest_strain, profile, unknown
 from gripper.statics.reported import contacts, vector
 from gripper.statics.verified import Verified
 
@@ -56,7 +58,7 @@ def pose_result(
     :func:`gripper.statics.clearance.clearances`, which finds those of many poses together.
     """
     seen = profile(setting, answer.verified.equilibrium.state)
-    checks = checked(setting, answer.verified, seen)
+    checks = checked(setting, answer.verified)
     reason = (
         _penetrated(answer.verified) or shortcoming(checks) or unknown(setting, answer.verified.equilibrium.state, seen)
     )
@@ -69,7 +71,6 @@ def pose_result(
     points, forces = loads(equilibrium)
     free = float(np.max(np.abs(forces), initial=0.0)) <= NO_FORCE
     moment = -cross(points - equilibrium.obstacle.frame.origin, forces)
-    tip = seen.drawn.stop - 1
     strain, strain_s = largest_strain(setting, equilibrium)
     return PoseResult(
         parameter=parameter,
@@ -81,8 +82,8 @@ def pose_result(
         clamp_moment=_clamp_moment(equilibrium) * scales.energy_scale,
         energy=state.energy * scales.energy_scale,
         load_energy=_load_energy(setting, equilibrium),
-        tip=vector(placement.origin + turn * complex(seen.position[tip]) * scales.length),
-        tip_rotation=float(seen.psi[tip]),
+        tip=vector(placement.origin + turn * complex(seen.position[-1]) * scales.length),
+        tip_rotation=float(seen.psi[-1]),
         max_strain=strain,
         max_strain_s=None if free and not strain else strain_s * scales.length,
         min_gap=clearance(setting, answer.verified) * scales.length if measured or state.sites else None,
@@ -92,7 +93,7 @@ def pose_result(
         error=ErrorEstimate(discretisation=answer.error),
         iterations=answer.iterations,
         seconds=answer.seconds,
-        shape=_shape(setting, seen, placement),
+        shape=Shape.later(functools.partial(_shape, setting, state, placement), float(np.ptp(seen.psi))),
         kept=Kept(setting, equilibrium),
     )
 
@@ -115,22 +116,23 @@ def _load_energy(setting: Setting, equilibrium: Equilibrium) -> float | None:
     return push.potential * setting.sections.energy_scale if push is not None and push.conservative else None
 
 
-def _shape(setting: Setting, seen: Profile, placement: Placement) -> Shape:
-    length, jaw = setting.sections.length, setting.outline.jaw
-    position, half = seen.position[seen.drawn], seen.half[seen.drawn]
-    section = np.exp(1j * seen.psi[seen.drawn])
+def _shape(setting: Setting, state: State, placement: Placement) -> dict[str, Any]:
+    """The fields of a pose's shape."""
+    seen, length, jaw = drawn(setting, state), setting.sections.length, setting.outline.jaw
+    position, half = seen.position, setting.sections.thickness(seen.s) / 2
+    section = np.exp(1j * seen.psi)
     across = 1j * half * section
 
     def world(points: Complex) -> Array:
         placed = placement.origin + placement.turn * length * points
         return placed.view(float).reshape(-1, 2)
 
-    return Shape(
-        axis=world(position),
-        lower=world(position - across),
-        upper=world(position + across),
-        strain=np.abs(seen.kappa[seen.drawn]) * half,
-        jaw=None if jaw is None else world(position[-1] + jaw * section[-1]),
-        clamp_pose=placement.clamp,
-        object_pose=placement.object,
-    )
+    return {
+        "axis": world(position),
+        "lower": world(position - across),
+        "upper": world(position + across),
+        "strain": np.abs(seen.kappa) * half,
+        "jaw": None if jaw is None else world(position[-1] + jaw * section[-1]),
+        "clamp_pose": placement.clamp,
+        "object_pose": placement.object,
+    }

@@ -8,14 +8,14 @@ from gripper.contact.outline import dot
 from gripper.result import Checks
 from gripper.statics.contact_forces import NO_FORCE, loads
 from gripper.statics.equilibrium import Equilibrium, Setting
-from gripper.statics.profile import Profile, carried
+from gripper.statics.profile import balanced, carried
 from gripper.statics.verified import Verified, one_sided
 
 STATIONARY = 1e-8
 BALANCED = 1e-2
 
 
-def checked(setting: Setting, verified: Verified, seen: Profile) -> Checks:
+def checked(setting: Setting, verified: Verified) -> Checks:
     """Stationarity, balance of forces and moments, stability, penetration (PHYSICS: what a right answer satisfies).
 
     The balance compares the moments that the strains carry with those of the contact forces (Lan & Lee eq 6, for any
@@ -28,7 +28,7 @@ def checked(setting: Setting, verified: Verified, seen: Profile) -> Checks:
         load = lin.load(state.multipliers)
         total = max(float(np.abs(loads(equilibrium)[1]).sum()) + _acting(equilibrium), NO_FORCE)
         stationarity = float(np.linalg.norm(state.energy_gradient - load)) / max(float(np.linalg.norm(load)), NO_FORCE)
-        force, moment = (missing / total for missing in _imbalance(setting, equilibrium, seen))
+        force, moment = (missing / total for missing in _imbalance(setting, equilibrium))
     return Checks(
         stationarity=stationarity,
         force_balance=force,
@@ -49,7 +49,7 @@ def _acting(equilibrium: Equilibrium) -> float:
     return float(np.abs(felt.forces).sum() + np.abs(felt.couples).sum())
 
 
-def _imbalance(setting: Setting, equilibrium: Equilibrium, seen: Profile) -> tuple[float, float]:
+def _imbalance(setting: Setting, equilibrium: Equilibrium) -> tuple[float, float]:
     """Force and moment at the clamp that the strains carry beyond the contact forces' and the loads'.
 
     The moment (EI kappa) between the clamp and the first contact, less all that acts further out about the sections, is
@@ -57,12 +57,12 @@ def _imbalance(setting: Setting, equilibrium: Equilibrium, seen: Profile) -> tup
     read at the zeros of P_(p+1), where the error of a projection on polynomials of order p is of higher order.
     """
     points, forces = loads(equilibrium)
-    position = seen.position[seen.balance]
+    seen = balanced(setting, equilibrium.state)
+    position = seen.position
     applied = ((points[None, :] - position[:, None]).conj() @ forces[:, None]).imag[:, 0]
     acting = equilibrium.obstacle.acting
     if acting is not None:
-        at = seen.s[seen.balance], seen.segment[seen.balance]
-        applied = applied + acting.beyond(equilibrium.state.axis, *at)[1]
+        applied = applied + acting.beyond(equilibrium.state.axis, seen.s, seen.segment)[1]
     missing = carried(setting, equilibrium.state, seen) - applied
     arms = -dot(position, position[-1] / abs(position[-1]))
     middle = arms - arms.mean()

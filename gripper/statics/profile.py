@@ -27,18 +27,44 @@ def _zeros(count: int) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Profile:
-    """What is read of a deflected finger; lengths by L, stiffness EI over EI(0)."""
+    """What is read of a deflected finger at some stations, (k,) each; lengths by L, stiffness EI over EI(0)."""
 
     s: Array
     segment: Index
     position: Complex
     psi: Array
     kappa: Array
-    half: Array  # w / 2
     stiffness: Array
-    drawn: slice
-    balance: slice
-    strain: slice
+
+
+@functools.lru_cache(maxsize=8)  # a pose's is asked for by its result and by the motion's extremes
+def profile(setting: Setting, state: State) -> Profile:
+    """Where strains are looked at: at even distances on each segment, both its ends included."""
+    s, position, psi, _, kappa = state.axis.evenly(_ALONG.size)
+    return Profile(s, _segments(state.beam.segments, _ALONG.size), position, psi, kappa, setting.sections.EI(s))
+
+
+def balanced(setting: Setting, state: State) -> Profile:
+    """Between the clamp and the first contact, at the zeros of P_(p+1): there the strains tell the moments best."""
+    beam, clear = state.beam, _before_contact(state)
+    s = (beam.starts[:clear, None] + beam.lengths[:clear, None] * (_zeros(beam.modes) + 1) / 2).ravel()
+    segment = _segments(clear, beam.modes)
+    position, psi, _, kappa = state.axis.values(s, segment)
+    return Profile(s, segment, position, psi, kappa, setting.sections.EI(s))
+
+
+def drawn(setting: Setting, state: State) -> Profile:
+    """Where a picture has its points: at even distances from clamp to tip, and where segments end."""
+    s = np.union1d(_DRAWN, state.beam.breaks)
+    segment = state.beam.segment_of(s)
+    position, psi, _, kappa = state.axis.values(s, segment)
+    return Profile(s, segment, position, psi, kappa, setting.sections.EI(s))
+
+
+@functools.lru_cache(maxsize=64)
+def _segments(count: int, points: int) -> Index:
+    """The segments of as many points on each of the first ones."""
+    return np.arange(count).repeat(points)
 
 
 def _before_contact(state: State) -> int:
@@ -47,40 +73,20 @@ def _before_contact(state: State) -> int:
     return max(1, sum(end <= first + _AT for end in state.beam.breaks[1:]))
 
 
-@functools.lru_cache(maxsize=8)  # a pose's is asked for by its result and by the motion's extremes
-def profile(setting: Setting, state: State) -> Profile:
-    """Read the shape, where the balance is checked, and where strains are looked at."""
-    beam = state.beam
-    drawn = np.union1d(_DRAWN, beam.breaks)
-    clear = _before_contact(state)
-    balance = (beam.starts[:clear, None] + beam.lengths[:clear, None] * (_zeros(beam.modes) + 1) / 2).ravel()
-    strain = (beam.starts[:, None] + beam.lengths[:, None] * _ALONG).ravel()
-    s = np.concatenate([drawn, balance, strain])
-    clamped, along = (
-        np.arange(count).repeat(points) for count, points in ((clear, beam.modes), (beam.segments, _ALONG.size))
-    )
-    segment = np.concatenate([beam.segment_of(drawn), clamped, along])
-    position, psi, _, kappa = state.axis.values(s, segment)
-    half, stiffness = setting.sections.thickness(s) / 2, setting.sections.EI(s)
-    first, second = drawn.size, drawn.size + balance.size
-    spans = slice(0, first), slice(first, second), slice(second, s.size)
-    return Profile(s, segment, position, psi, kappa, half, stiffness, *spans)
-
-
-def responding(setting: Setting, state: State, seen: Profile, span: slice) -> tuple[Response, Array]:
-    """A law's sections at some of the stations, and their strains (fields, k)."""
+def responding(setting: Setting, state: State, seen: Profile) -> tuple[Response, Array]:
+    """A law's sections at some stations, and their strains (fields, k)."""
     beam, law = state.beam, setting.sections.law
     if law is None:
         raise ValueError("the material must have a law of its own; got the linear one")
-    strains = beam.strains(state.z, seen.s[span], seen.segment[span])
-    return Response(law, setting.sections, seen.s[span], beam.fields), strains
+    strains = beam.strains(state.z, seen.s, seen.segment)
+    return Response(law, setting.sections, seen.s, beam.fields), strains
 
 
 def carried(setting: Setting, state: State, seen: Profile) -> Array:
-    """The moments of the strains where the balance is checked, (k,)."""
+    """The moments of the strains at some stations, (k,)."""
     if setting.sections.law is None:
-        return seen.stiffness[seen.balance] * seen.kappa[seen.balance]
-    response, strains = responding(setting, state, seen, seen.balance)
+        return seen.stiffness * seen.kappa
+    response, strains = responding(setting, state, seen)
     return response.stress(strains)[0]
 
 
@@ -88,7 +94,7 @@ def unknown(setting: Setting, state: State, seen: Profile) -> str | None:
     """Where the strains leave what the material's law knows, in words, or None."""
     if setting.sections.law is None:
         return None
-    response, strains = responding(setting, state, seen, seen.strain)
+    response, strains = responding(setting, state, seen)
     strain, (least, most) = response.beyond(strains), setting.sections.law.fibre.span
     if strain is None:
         return None
@@ -105,7 +111,7 @@ def largest_strain(setting: Setting, equilibrium: Equilibrium) -> tuple[float, f
     if not state.sites and acting is None:
         return 0.0, 0.0
     seen = profile(setting, state)
-    position, s = seen.position[seen.strain], seen.s[seen.strain]
+    position, s = seen.position, seen.s
     # which side of a force at a break a sample is on
     middle = s - np.tile((_ALONG - 0.5) * 1e-9, state.beam.segments)
     on_face = zip(state.sites, lin.stations, strict=True)
@@ -115,15 +121,15 @@ def largest_strain(setting: Setting, equilibrium: Equilibrium) -> tuple[float, f
     beyond = places > middle[:, None]
     moment, force = np.sum(moments * beyond, axis=1), beyond @ forces
     if acting is not None:
-        more = acting.beyond(state.axis, middle, seen.segment[seen.strain])
+        more = acting.beyond(state.axis, middle, seen.segment)
         force, moment = force + more[0], moment + more[1]
     stretches = state.beam.stretches
-    along = dot(np.exp(1j * seen.psi[seen.strain]), force) if stretches else np.zeros(s.size)
+    along = dot(np.exp(1j * seen.psi), force) if stretches else np.zeros(s.size)
     if setting.sections.law is not None:
-        response, strains = responding(setting, state, seen, seen.strain)
+        response, strains = responding(setting, state, seen)
         strain = response.loaded(strains, moment, along)
     else:
-        strain = np.abs(moment) / seen.stiffness[seen.strain] * seen.half[seen.strain]
+        strain = np.abs(moment) / seen.stiffness * (setting.sections.thickness(s) / 2)
         if stretches:
             strain += np.abs(along) / setting.sections.EA(s)
     i = int(np.argmax(strain))

@@ -23,6 +23,7 @@ FOLDED = 0.5
 """kappa w / 2 from which sections nearly meet on the inner face (at 1 they do): no beam is left."""
 STOUT = 0.25
 """w / L up to which sections may be taken to stay plane; the stoutest finger compared with elements has 0.17."""
+_TURNED = 1.2  # rad: a finger whose sections turn by less, and its faces hardly more, does not cross itself
 _ALONG = np.linspace(0.0, 1.0, 129)
 
 
@@ -52,7 +53,8 @@ def warnings(sections: Sections, poses: Sequence[PoseResult], tolerance: float) 
             found.append(f"kappa w / 2 reaches {strain:.2g}{where}: near 1 the inner face folds and no beam is left")
         elif strain > STRAIN and sections.law is None:
             found.append(f"strains reach {strain:.2g}{where}, beyond {STRAIN}: material laws differ by percents there")
-    crossing = next((pose for pose in poses if pose.shape is not None and crosses(pose.shape.outline)), None)
+    turned = (pose for pose in poses if pose.shape is not None and pose.shape.turning > _TURNED)
+    crossing = next((pose for pose in turned if pose.shape is not None and crosses(pose.shape.outline)), None)
     if crossing is not None:
         found.append(f"the finger crosses itself{_where(crossing)}: contact of the finger with itself is not modelled")
     return tuple(found)
