@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from typing import Protocol
 
@@ -19,7 +19,7 @@ from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting
 from gripper.statics.newton import settle
 from gripper.statics.rolling import strongest_alone
 from gripper.statics.snap import distance
-from gripper.statics.steps import predicted
+from gripper.statics.steps import extrapolated, predicted
 
 _ROUND_OFF = 1e-13
 _HALVINGS = 4  # of a way along a branch
@@ -72,11 +72,24 @@ class Branch:
         """
         return self._reached(parameter, _HALVINGS)
 
+    def know(self, others: Iterable[Along]) -> None:
+        """Take in more equilibria of the branch, with the same unknowns."""
+        self.known += [at for at in others if all(at.parameter != known.parameter for known in self.known)]
+
+    def _guess(self, start: Along, parameter: float) -> State:
+        """The state at a parameter: by the polynomial through those nearest to it; along the tangent where few are."""
+        if len(self.known) > 1:
+            near = sorted(self.known, key=lambda at: abs(at.parameter - parameter))
+            guess = extrapolated(self.setting, [(at.parameter, at.equilibrium) for at in near], parameter)
+            if guess is not None:
+                return guess
+        return predicted(self.setting, start.equilibrium, parameter - start.parameter)
+
     def _reached(self, parameter: float, halvings: int) -> Equilibrium:
         start = min(self.known, key=lambda at: abs(at.parameter - parameter))
         if start.parameter == parameter:
             return start.equilibrium
-        guess = predicted(self.setting, start.equilibrium, parameter - start.parameter)
+        guess = self._guess(start, parameter)
         expected = float(np.linalg.norm(guess.z - start.equilibrium.state.z))
         found = settle(self.setting, self._obstacle(parameter), guess, self.order)
         if found.correction > _DEPARTS * expected + APART:

@@ -144,6 +144,7 @@ class Climber:
         near = sorted(flank.beside, key=lambda sample: abs(sample.at.parameter - start - way / 2))[:_NODES]
         samples = [((sample.at.parameter - start) / way, sample.values[name]) for sample in near]
         through, branch = Through(samples), branch_from(self.setting, self.path, top.at, self.order)
+        branch.know(sample.at for sample in near)
         summit = Summit(top.values[name], top.at)
         for _ in range(_CLIMBS):
             place, hope = through.highest()

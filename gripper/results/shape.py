@@ -77,9 +77,9 @@ class Shape:
     if not TYPE_CHECKING:
 
         def __getattr__(self, name: str) -> Any:
-            draw = self.__dict__.pop("_draw", None)
-            if draw is None:
+            if name not in Shape.__dataclass_fields__ or "_draw" not in self.__dict__:
                 raise AttributeError(f"a shape has no {name!r}")
+            draw = self.__dict__.pop("_draw")
             Shape.__init__(self, **draw())
             return getattr(self, name)
 
