@@ -56,6 +56,7 @@ class Kinematics:
         parameter = scene.motion.parameter if scene.motion else None
         self._poses = placed(scene.finger).pose, placed(scene.object).pose, parameter
         self._function = _compiled(*self._poses, (0, 1, 2))
+        self._known = functools.lru_cache(maxsize=16)(self._frame)  # where a step ends the next one starts
 
     def _values(self, parameter: float) -> list[float]:
         try:
@@ -109,6 +110,9 @@ class Kinematics:
         ValueError
             Where a pose is not finite.
         """
+        return self._known(parameter)
+
+    def _frame(self, parameter: float) -> Frame:
         x, y, turn, xo, yo, turn_o, dx, dy, dturn, dxo, dyo, dturn_o = self._values(parameter)[:12]
         inverse = cmath.exp(-1j * turn) / self.length
         origin = inverse * complex(xo - x, yo - y)

@@ -19,7 +19,7 @@ from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting
 from gripper.statics.newton import settle
 from gripper.statics.rolling import strongest_alone
 from gripper.statics.snap import distance
-from gripper.statics.steps import extrapolated, predicted
+from gripper.statics.steps import alike, extrapolated, predicted
 
 _ROUND_OFF = 1e-13
 _HALVINGS = 4  # of a way along a branch
@@ -73,14 +73,16 @@ class Branch:
         return self._reached(parameter, _HALVINGS)
 
     def know(self, others: Iterable[Along]) -> None:
-        """Take in more equilibria of the branch, with the same unknowns."""
+        """Take in more equilibria of the branch."""
         self.known += [at for at in others if all(at.parameter != known.parameter for known in self.known)]
 
     def _guess(self, start: Along, parameter: float) -> State:
         """The state at a parameter: by the polynomial through those nearest to it; along the tangent where few are."""
         if len(self.known) > 1:
-            near = sorted(self.known, key=lambda at: abs(at.parameter - parameter))
-            guess = extrapolated(self.setting, [(at.parameter, at.equilibrium) for at in near], parameter)
+            state = start.equilibrium.state
+            near = [(at.parameter, at.equilibrium) for at in self.known if alike(at.equilibrium.state, state)]
+            near.sort(key=lambda at: abs(at[0] - parameter))
+            guess = extrapolated(self.setting, near, parameter)
             if guess is not None:
                 return guess
         return predicted(self.setting, start.equilibrium, parameter - start.parameter)

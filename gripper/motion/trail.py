@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from gripper.motion.branch import Along
 from gripper.statics.equilibrium import Setting, State
-from gripper.statics.steps import extrapolated, predicted
+from gripper.statics.steps import alike, extrapolated, predicted
 
 _FURTHEST = 3.0  # of the last step: the next one may be that much longer and still bend as it did
 _REMEMBERED = 6
@@ -61,15 +61,3 @@ class Trail:
         """What is remembered, if it has the contacts of where the motion is now."""
         same = self._before and alike(self._before[0].equilibrium.state, now.equilibrium.state)
         return self._before if same else []
-
-
-def alike(one: State, other: State) -> bool:
-    """Whether two states have the same contacts, held alike, and the same unknowns."""
-    if len(one.sites) != len(other.sites) or one.z.size != other.z.size:
-        return False
-    pairs = zip(one.sites, other.sites, strict=True)
-    return all(
-        (a.kind, a.piece, a.vertex, a.modes, a.unknowns) == (b.kind, b.piece, b.vertex, b.modes, b.unknowns)
-        and (a.grip and (a.grip.hold, a.grip.sense)) == (b.grip and (b.grip.hold, b.grip.sense))
-        for a, b in pairs
-    )

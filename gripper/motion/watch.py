@@ -17,10 +17,10 @@ import numpy as np
 from gripper.arrays import Array
 from gripper.motion.branch import Along, Path, branch_from
 from gripper.motion.climb import MARKS, Climber, Flank, Measure, Sample, Summit, at_change
-from gripper.motion.trail import alike
 from gripper.statics.balance import Balance, cubic
 from gripper.statics.contact_forces import drive
 from gripper.statics.equilibrium import NoEquilibriumError, Setting
+from gripper.statics.steps import alike
 
 _RIVALS = 3  # local maxima that are climbed
 _NEARLY = 0.9  # of the highest sample: lower ones are not climbed

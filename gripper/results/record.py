@@ -7,7 +7,9 @@ import math
 from collections.abc import Mapping
 from typing import Any, Self
 
-_AS_THEY_ARE = (str, int, bool, type(None))
+import numpy as np
+
+_NUMBERS = (tuple, list, np.ndarray, np.generic)  # what may hold any, or is none of Python's own
 
 
 def _check_finite(name: str, value: Any) -> None:
@@ -18,11 +20,9 @@ def _check_finite(name: str, value: Any) -> None:
 
 def plain(value: Any) -> Any:
     """Arrays and lists as tuples, numpy's numbers as Python's, so that results compare and become JSON."""
-    if type(value) in (float, int):
-        return value
-    if hasattr(value, "tolist"):
+    if isinstance(value, (np.ndarray, np.generic)):
         value = value.tolist()
-    return tuple(plain(item) for item in value) if isinstance(value, (list, tuple)) else value
+    return tuple([plain(item) for item in value]) if isinstance(value, (list, tuple)) else value
 
 
 class Record:
@@ -34,8 +34,7 @@ class Record:
     def _settle(self, values: Mapping[str, Any]) -> None:
         """Check some of its values, and keep them as plain data."""
         for name, given in values.items():
-            kind = type(given)
-            if kind in _AS_THEY_ARE or (kind is float and math.isfinite(given)) or isinstance(given, Record):
+            if math.isfinite(given) if type(given) is float else not isinstance(given, _NUMBERS):
                 continue
             value = plain(given)
             _check_finite(name, value)

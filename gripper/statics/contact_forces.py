@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+
 import numpy as np
 
 from gripper.arrays import Complex
@@ -30,6 +32,7 @@ def normal_force(equilibrium: Equilibrium, i: int) -> complex:
     return force if lin.rubbing is None else force / (1 - 1j * lin.rubbing.ratios[i])
 
 
+@functools.lru_cache(maxsize=8)  # of both ends of a step, for its work and for what is largest
 def drive(equilibrium: Equilibrium) -> float:
     """Work that the object puts into the finger per unit of the parameter: -(F . v + M omega)."""
     points, forces = loads(equilibrium)

@@ -127,6 +127,18 @@ def extrapolated(setting: Setting, trail: Sequence[tuple[float, Equilibrium]], p
     return _carried(setting, moved, breaks, guess[:count].reshape(now.fields.shape))
 
 
+def alike(one: State, other: State) -> bool:
+    """Whether two states have the same contacts, held alike, and the same unknowns."""
+    if len(one.sites) != len(other.sites) or one.z.size != other.z.size:
+        return False
+    pairs = zip(one.sites, other.sites, strict=True)
+    return all(
+        (a.kind, a.piece, a.vertex, a.modes, a.unknowns) == (b.kind, b.piece, b.vertex, b.modes, b.unknowns)
+        and (a.grip and (a.grip.hold, a.grip.sense)) == (b.grip and (b.grip.hold, b.grip.sense))
+        for a, b in pairs
+    )
+
+
 def _lagrange(away: list[float]) -> Array:
     """Weights of the values at these abscissae in the polynomials' values at 0, through the first 3, 4, ... of them."""
     x = np.array(away)

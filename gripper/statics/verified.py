@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from gripper.arrays import Array
 from gripper.beam.legendre import legendre
 from gripper.contact.linear import linearise
 from gripper.contact.site import NARROW
@@ -15,7 +17,6 @@ from gripper.statics.nearby import least_gaps
 from gripper.statics.newton import firmness
 
 _RIPPLE = 3e-2  # of the largest pressure: what a polynomial may leave where the pressure has decayed
-_ACROSS = np.linspace(-1.0, 1.0, 17)
 _GRAZING = 1e-12  # of L: a gap's round-off
 _FLAT = 1e-4  # curvature of the gap, times L: below it a tangent's place is held by the next order
 _AT_KINK = 1e-6  # of L: how far a fixed place may be from where the gap is least
@@ -49,13 +50,19 @@ def objection(setting: Setting, equilibrium: Equilibrium) -> str | None:
     if state.sites and largest < NOTHING:
         return "no contact carries anything"
     for site, load in zip(state.sites, state.loads, strict=True):
-        pressure = legendre(_ACROSS, site.modes) @ load
+        pressure = _across(site.modes) @ load
         allowed = PULL * largest if site.modes <= NARROW else _RIPPLE * float(np.max(pressure))
         if float(np.min(pressure)) < -allowed:
             return "a contact would have to pull"
         if site.place and not 0 <= site.place[0] <= site.place[-1] <= setting.outline.pieces[site.piece].length:
             return "a contact has left its face or edge"
     return None
+
+
+@functools.cache
+def _across(modes: int) -> Array:
+    """The pressure modes over a contact, (k, modes)."""
+    return legendre(np.linspace(-1.0, 1.0, 17), modes)
 
 
 def verify(setting: Setting, equilibrium: Equilibrium) -> Verified:
