@@ -6,6 +6,7 @@ import functools
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.linalg.lapack import dgeqrf, dormqr, dsyevr
 
 from gripper.arrays import Array
 from gripper.beam.legendre import legendre
@@ -123,10 +124,28 @@ def stability(equilibrium: Equilibrium) -> float:
             else:
                 hessian += np.outer(lin.load_slopes[:, column], slide) / curvature
         column += site.unknown_places
-    constraints = np.concatenate(held)
-    q = np.linalg.qr(constraints.T, mode="complete")[0][:, len(constraints) :]
-    reduced = q.T @ hessian @ q
-    return float(np.linalg.eigvalsh((reduced + reduced.T) / 2)[0])
+    return _least(hessian, np.concatenate(held) if len(held) > 1 else held[0])
+
+
+def _least(hessian: Array, constraints: Array) -> float:
+    """The smallest eigenvalue of a Hessian (n, n) over what constraints (m, n) leave free.
+
+    By LAPACK's own routines: numpy's take twice as long on matrices of this size.
+
+    Raises
+    ------
+    LinAlgError
+        Where it is not found.
+    """
+    held, size = len(constraints), 64 * len(hessian)
+    reflectors, scales, _, _ = dgeqrf(constraints.T)
+    turned, _, _ = dormqr("L", "T", reflectors, scales, hessian, size)
+    turned, _, _ = dormqr("R", "N", reflectors, scales, turned, size)
+    reduced = turned[held:, held:]
+    values, *_, info = dsyevr((reduced + reduced.T) / 2, compute_v=0, range="I", il=1, iu=1)
+    if info:
+        raise np.linalg.LinAlgError("no smallest eigenvalue is found")
+    return float(values[0])
 
 
 def one_sided(equilibrium: Equilibrium) -> bool:
