@@ -47,14 +47,14 @@ def handed_on(setting: Setting, obstacle: Obstacle, state: State) -> State:
 
 
 def with_deepest(setting: Setting, obstacle: Obstacle, state: State, known: Survey, order: int) -> Verified:
-    """The equilibrium of a state's contacts and one more, where the object lies deepest in the finger.
+    """The equilibrium of a finger that nothing touches any more, or yet, but where the object lies deepest in it.
 
     Parameters
     ----------
     setting, obstacle
         Smooth.
     state
-        With the contacts that stay.
+        Without contacts.
     known
         Of the state.
     order
@@ -63,16 +63,15 @@ def with_deepest(setting: Setting, obstacle: Obstacle, state: State, known: Surv
     Raises
     ------
     NoEquilibriumError
-        Where these are not all that touch.
+        Where that place is not all that touches.
     """
     outline = setting.outline
     places = [(piece, u) for piece, u in known.deepest if outline.pieces[piece].on != "tip"]
-    if not places or known.engulfed or len(obstacle.corners):
-        raise NoEquilibriumError("no place tells what touches")
+    if state.sites or not places or known.engulfed or len(obstacle.corners):
+        raise NoEquilibriumError("no single place tells what touches")
     # beside a corner that has sunk in, too, a face rather bends until it lies on the object than stands on its corner
     piece, u = min(places, key=lambda place: outline.corner_at(*place) is not None)
-    sites = (*state.sites, resolved(setting, Site("tangent", piece, (u,))))
-    guess = replace(state, sites=sites, multipliers=np.append(state.multipliers, 0.0))
+    guess = replace(state, sites=(resolved(setting, Site("tangent", piece, (u,))),), multipliers=np.zeros(1))
     return verify(setting, settle_contacts(setting, obstacle, held(setting, obstacle, state, guess), order))
 
 
