@@ -93,14 +93,20 @@ class Branch:
             return start.equilibrium
         guess = self._guess(start, parameter)
         expected = float(np.linalg.norm(guess.z - start.equilibrium.state.z))
-        found = settle(self.setting, self._obstacle(parameter), guess, self.order)
-        if found.correction > _DEPARTS * expected + APART:
+        try:
+            found = settle(self.setting, self._obstacle(parameter), guess, self.order)
+        except NoEquilibriumError:
             if not halvings:
-                raise NoEquilibriumError("the step departs from its prediction")
-            self._reached((start.parameter + parameter) / 2, halvings - 1)
-            return self._reached(parameter, halvings - 1)
-        self.known.append(Along(parameter, found))
-        return found
+                raise
+            halvings = 1  # a narrow patch's places are near to its prediction's, or hardly found
+        else:
+            if found.correction <= _DEPARTS * expected + APART:
+                self.known.append(Along(parameter, found))
+                return found
+        if not halvings:
+            raise NoEquilibriumError("the step departs from its prediction")
+        self._reached((start.parameter + parameter) / 2, halvings - 1)
+        return self._reached(parameter, halvings - 1)
 
     def pinned(self, start: float, pin: Pin, ends: tuple[float, float]) -> float | None:
         """Where an unknown has a given value, from the equilibrium at a parameter; None where Newton does not say."""
