@@ -9,8 +9,9 @@ import numpy as np
 from gripper.motion.branch import Along, Path, branch_from, pointed, speed
 from gripper.motion.peaks import Peak
 from gripper.motion.work import BESIDE, REST, Pace, booked, drawn, pace
+from gripper.results.loop import Loop
 from gripper.statics.balance import Balance
-from gripper.statics.equilibrium import NoEquilibriumError, Setting
+from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting
 
 BALANCED = 5e-5
 """What may be missing of the energies of a step."""
@@ -139,6 +140,25 @@ class Ledger:
             work=following.work + pushed,
             put_in=following.put_in + pushed,
         )
+
+    def loop(self, order: int) -> tuple[Loop | None, list[Equilibrium | None]]:
+        """The loop so far, and the equilibria at its peaks, where they are known; None without contact."""
+        unit, balance = self.setting.sections.energy_scale, self.balance
+        tops = [peak.located(self.setting, self.path, order) for peak in self.peaks[:2]]
+        if not tops:
+            return None, []
+        there, back = tops[0], tops[1] if len(tops) > 1 else None
+        loop = Loop(
+            peak_insertion_force=there.force * unit,
+            peak_insertion_parameter=there.parameter,
+            peak_retention_force=back.force * unit if back else None,
+            peak_retention_parameter=back.parameter if back else None,
+            ratio=back.force / there.force if back and there.force > 0 else None,
+            work_in=balance.put_in * unit,
+            work_out=balance.given_back * unit,
+            dissipation=balance.loss * unit,
+        )
+        return loop, [top.equilibrium for top in tops]
 
     def _note(self, peak: Peak) -> None:
         """Keep the largest force of each leg of the motion."""
