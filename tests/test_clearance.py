@@ -5,10 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import gripper as gr
 from gripper.contact.obstacle import Frame, Obstacle
 from gripper.objects import Object
 from gripper.statics.clearance import distances
 from gripper_plugins.objects import Circle, Ellipse
+from tests.scenes import rotating_finger
 
 ANGLES = np.linspace(0.0, 2 * np.pi, 40_001)
 
@@ -24,3 +26,12 @@ def test_the_distance_of_any_point_outside_is_the_least_to_any_point_of_the_outl
     points = points[obstacle.gap(points) > 1e-3]
     least = np.array([np.abs(outline - point).min() for point in points])
     assert distances(obstacle, points) == pytest.approx(least, rel=1e-6, abs=1e-6)
+
+
+def test_distances_of_a_motion_are_those_of_its_poses_alone() -> None:
+    """Free poses of a motion are measured together."""
+    values = np.linspace(0.08, 0.2032, 5).tolist()
+    for value, pose in zip(values, gr.trace(rotating_finger(*values)).poses, strict=True):
+        alone = gr.trace(rotating_finger(value)).poses[0]
+        assert pose.status == alone.status == "free"
+        assert pose.min_gap == pytest.approx(alone.min_gap, rel=1e-8)

@@ -22,11 +22,13 @@ from gripper.friction import Friction
 from gripper.result import Checks, Contact, ErrorEstimate, Event, LeftOut, Model, PoseResult, Result, Shape
 from gripper.results.report import MOST_ROWS
 from gripper.scene import Motion, Scene
+from gripper.solve import solve
 from gripper_plugins.fingers.tapered import Tapered
 from gripper_plugins.fingers.uniform import Uniform
 from gripper_plugins.jaws.triangle import Triangle
 from gripper_plugins.objects.circle import Circle
 from gripper_plugins.objects.ellipse import Ellipse
+from tests.scenes import unit_finger
 
 NUMBERS = [
     "force_on_object",
@@ -380,3 +382,19 @@ def test_numpy_s_numbers_become_plain_ones() -> None:
 def test_importing_the_results_does_not_load_matplotlib_or_pydantic() -> None:
     code = "import gripper.result, sys; sys.exit(bool({'matplotlib', 'pydantic', 'shapely'} & set(sys.modules)))"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_a_shape_that_is_drawn_when_it_is_asked_for_is_the_same_in_a_copy_from_another_process() -> None:
+    result = solve(Scene(finger=unit_finger(), object=Circle(radius=0.25).at(x=0.7, y=-0.2)))
+    copy = pickle.loads(pickle.dumps(result.poses[0]))
+    shape = result.poses[0].shape
+    assert np.array_equal(copy.shape.outline, shape.outline)
+    assert np.array_equal(copy.shape.strain, shape.strain)
+    assert shape.turning == pytest.approx(abs(result.poses[0].tip_rotation), rel=0.1)
+
+
+def test_a_record_with_another_value_keeps_the_rest_and_checks_the_new_one() -> None:
+    checks = Checks(stationarity=1e-9, stability=0.5)
+    assert checks.but(stability=np.float64(0.25)) == Checks(stationarity=1e-9, stability=0.25)
+    with pytest.raises(ValueError, match="stability must be finite"):
+        checks.but(stability=float("nan"))

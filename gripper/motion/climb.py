@@ -148,7 +148,8 @@ class Climber:
         summit = Summit(top.values[name], top.at)
         for _ in range(_CLIMBS):
             place, hope = through.highest()
-            if hope <= max(known, summit.value + _SMOOTH * abs(summit.value)) or not 0 < place < 1:
+            least = max(known, summit.value + _SMOOTH * abs(summit.value))
+            if hope <= least or not 0 < place < 1 or through.knows(place):
                 break
             try:
                 found = Along(start + way * place, branch.at(start + way * place))

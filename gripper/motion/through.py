@@ -9,6 +9,7 @@ import numpy as np
 from gripper.arrays import Array
 from gripper.contact.parabola import vertex
 
+_SAME = 1e-5
 _HALF = 32
 _MARKS = np.linspace(0.0, 1.0, 2 * _HALF + 1)
 _AROUND = np.linspace(-0.5, 0.5, 2 * _HALF + 1)
@@ -36,6 +37,10 @@ class Through:
             value = (value - factor) / (place - known)
         self._places.append(place)
         self._factors.append(value)
+
+    def knows(self, place: float) -> bool:
+        """Whether a sample is so near that another one there would tell of round-off only."""
+        return min(abs(place - known) for known in self._places) < _SAME
 
     def highest(self) -> tuple[float, float]:
         """Where on [0, 1] it may be highest, and how high there: with what one sample more might add."""
