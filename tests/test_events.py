@@ -8,8 +8,9 @@ from scipy.optimize import brentq
 
 from gripper import Friction
 from gripper.contact.kinematics import Kinematics
-from gripper.motion.branch import Along, Branch, let_go, pressing
+from gripper.motion.branch import Along, Branch
 from gripper.motion.pinned import Pin
+from gripper.motion.releasing import let_go, pressing
 from gripper.statics.active import find
 from gripper.statics.certificate import survey
 from gripper.statics.handed import handed_on, with_deepest

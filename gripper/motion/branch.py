@@ -14,7 +14,6 @@ from gripper.contact.features import Feature, features
 from gripper.contact.linear import linearise
 from gripper.contact.obstacle import Frame, Obstacle
 from gripper.motion.pinned import Pin, pinned
-from gripper.statics.certificate import survey
 from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, State
 from gripper.statics.newton import settle
 from gripper.statics.rolling import strongest_alone
@@ -23,8 +22,6 @@ from gripper.statics.steps import alike, extrapolated, predicted
 
 _ROUND_OFF = 1e-13
 _HALVINGS = 4  # of a way along a branch
-_ROUNDS = 8  # of Newton's method, of which three or four are needed
-_LATE = 1e-3  # of L: a contact may be told that much late, while it lies within the penetration allowed
 _DEPARTS = 0.5  # of a step: what it may differ from its prediction
 APART = 1e-4
 """Of L: shapes that differ by more are of different branches."""
@@ -168,12 +165,12 @@ def pointed(setting: Setting, equilibrium: Equilibrium, order: int) -> Equilibri
     """All patches as points, and the strongest alone of neighbouring corners of the object."""
     equilibrium = strongest_alone(setting, equilibrium, order)
     for i in range(len(equilibrium.state.sites)):
-        equilibrium = _pointed(setting, equilibrium, i, order)
+        equilibrium = pointed_at(setting, equilibrium, i, order)
     return equilibrium
 
 
 @functools.lru_cache(maxsize=16)
-def _pointed(setting: Setting, equilibrium: Equilibrium, i: int, order: int) -> Equilibrium:
+def pointed_at(setting: Setting, equilibrium: Equilibrium, i: int, order: int) -> Equilibrium:
     """A patch shrinks to a point before it lets go: followed as a point, which may pull beyond the event."""
     site = equilibrium.state.sites[i]
     if site.kind != "patch":
@@ -223,60 +220,3 @@ def bracketed(value: Callable[[float], float], start: float, stop: float) -> flo
 def number(known: Along, feature: Feature) -> int:
     """Which of its sites a contact is."""
     return features(known.equilibrium.state.sites)[feature]
-
-
-def released(setting: Setting, path: Path, known: Along, other: Along, feature: Feature, order: int) -> float:
-    """Where a contact's multiplier vanishes on the branch of a known equilibrium, the contact held beyond.
-
-    Beside a contact on the same edge a gap may close so slowly that the step's other end, which does not have the
-    contact yet, or any more, lies behind that place: the branches meet there all the same.
-
-    Raises
-    ------
-    NoEquilibriumError
-        Where it does not, or where something else has touched before.
-    """
-    i = number(known, feature)
-    branch = branch_from(
-        setting, path, replace(known, equilibrium=_pointed(setting, known.equilibrium, i, order)), order
-    )
-    where = let_go(branch, i, known.parameter, other.parameter)
-    if where is None:
-        where = bracketed(lambda parameter: pressing(branch.at(parameter), i), known.parameter, other.parameter)
-    there = branch.at(where)
-    if not survey(setting, there.obstacle, there.state).clear:
-        raise NoEquilibriumError("something else touches before")
-    return joined(setting, path, Along(where, there), other, order)
-
-
-def let_go(branch: Branch, i: int, start: float, stop: float) -> float | None:
-    """Where a contact's multiplier vanishes, by Newton's method on its rate; None where that leaves the step."""
-    at, way = start, stop - start
-    late = max(1.0, _LATE / (speed(branch.known[0].equilibrium) * abs(way) + STILL))
-    row = _row(branch.known[0].equilibrium, i)
-    where = branch.pinned(start, Pin(row, 0.0), (start, stop + late * way))
-    if where is not None:
-        return where
-    for _ in range(_ROUNDS):  # where the equations are all but singular: equilibrium by equilibrium
-        try:
-            equilibrium = branch.at(at)
-            rate = float(equilibrium.tangent()[1][_row(equilibrium, i)])
-        except (NoEquilibriumError, np.linalg.LinAlgError):
-            return None  # the bracket is searched instead
-        step = -pressing(equilibrium, i) / rate if rate else np.inf
-        if abs(step) <= SHARP * abs(way):
-            return at
-        at += step
-        if not 0 <= (at - start) / way <= 1 + late:
-            return None
-    return None
-
-
-def pressing(equilibrium: Equilibrium, i: int) -> float:
-    """The multiplier of a contact: 0 where it is released, or was not yet touched."""
-    return float(equilibrium.state.multipliers[_row(equilibrium, i)])
-
-
-def _row(equilibrium: Equilibrium, i: int) -> int:
-    """The number of a contact's first multiplier."""
-    return sum(site.multipliers for site in equilibrium.state.sites[:i])

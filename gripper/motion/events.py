@@ -12,7 +12,8 @@ from gripper.contact.features import apart_from, feature_name, gone_and_come, st
 from gripper.contact.linear import linearise
 from gripper.contact.obstacle import Obstacle
 from gripper.contact.site import Site
-from gripper.motion.branch import APART, SHARP, Along, Path, bracketed, branch_from, joined, pointed, released
+from gripper.motion.branch import APART, SHARP, Along, Path, bracketed, branch_from, joined, pointed
+from gripper.motion.releasing import released
 from gripper.motion.turning import adjacent, changed, rolled_apart
 from gripper.statics.candidates import resolved
 from gripper.statics.certificate import survey

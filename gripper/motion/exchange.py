@@ -8,8 +8,9 @@ import numpy as np
 
 from gripper.contact.features import Feature, gone_and_come
 from gripper.contact.site import pointed as as_point
-from gripper.motion.branch import Along, Path, branch_from, let_go, number, pointed
+from gripper.motion.branch import Along, Path, branch_from, number, pointed
 from gripper.motion.events import moves
+from gripper.motion.releasing import let_go
 from gripper.motion.turning import adjacent
 from gripper.statics.equilibrium import NoEquilibriumError, Setting, State
 from gripper.statics.lying import beside

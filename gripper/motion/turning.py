@@ -9,8 +9,9 @@ import numpy as np
 from gripper.arrays import Complex
 from gripper.contact.features import Feature
 from gripper.contact.site import Site
-from gripper.motion.branch import SHARP, Along, Path, bracketed, branch_from, joined, number, released
+from gripper.motion.branch import SHARP, Along, Path, bracketed, branch_from, joined, number
 from gripper.motion.pinned import Pin
+from gripper.motion.releasing import released
 from gripper.statics.contact_forces import normal_force
 from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting
 from gripper.statics.lying import reach
