@@ -9,6 +9,7 @@ a constant.
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping
@@ -37,7 +38,12 @@ def numbers(scene: Scene) -> dict[str, float]:
 
     Whole numbers (a count of lobes) and expressions in x and y are none.
     """
-    return {_key(steps): value for steps, value, _ in _leaves(scene)}
+    return dict(_numbers(scene))
+
+
+@functools.lru_cache(maxsize=16)
+def _numbers(scene: Scene) -> tuple[tuple[str, float], ...]:
+    return tuple((_key(steps), value) for steps, value, _ in _leaves(scene))
 
 
 def kind(scene: Scene, key: str) -> Dimension | None:

@@ -63,15 +63,21 @@ class FingerRates:
 
     def _ahead(self, sigma: Array) -> Array:
         """The table's slopes by sigma."""
-        steeper = tuple(sympy.diff(expression, S) for expression in self._expressions)
+        return self._filled(self._steeper, sigma) * self.length
+
+    @functools.cached_property
+    def _steeper(self) -> Any:
         by = (S, *self._symbols)
-        return self._filled(derivatives(steeper, by, by), sigma) * self.length
+        return derivatives(tuple(sympy.diff(expression, S) for expression in self._expressions), by, by)
 
     def bends(self, piece: Index, u: Array) -> Complex:
         """d3P/du3 of points of the outline (k,) at u (k,) along their pieces."""
-        third = compiled((S, *self._symbols), (beside_kinks(sympy.diff(self._expressions[0], S, 3)),))
-        values: Array = third(u * self.length, *self.values)[0] * self.length**2
+        values: Array = self._third(u * self.length, *self.values)[0] * self.length**2
         return np.where(piece <= UPPER, (piece - 0.5) * 1j * values, 0.0)
+
+    @functools.cached_property
+    def _third(self) -> Any:
+        return compiled((S, *self._symbols), (beside_kinks(sympy.diff(self._expressions[0], S, 3)),))
 
     def thickness(self, sigma: Array) -> tuple[Array, Array]:
         """Rates of w / L and of dw/ds, (p, k)."""

@@ -27,9 +27,12 @@ class Jet(np.lib.mixins.NDArrayOperatorsMixin):
         Numbers or arrays; the rate is broadcast to the value's shape.
     """
 
+    __slots__ = ("rate", "value")
+
     def __init__(self, value: Any, rate: Any) -> None:
-        self.value = np.array(value)
-        self.rate = np.array(np.broadcast_to(rate, self.value.shape), dtype=self.value.dtype)
+        self.value, self.rate = np.asarray(value), np.asarray(rate)
+        if self.rate.shape != self.value.shape:
+            self.rate = np.broadcast_to(self.rate, self.value.shape)
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **options: Any) -> Any:
         """Do what numpy's elementwise functions do, and differentiate it."""
@@ -52,7 +55,7 @@ class Jet(np.lib.mixins.NDArrayOperatorsMixin):
     ) -> Any:
         """Do what numpy's other functions do, and differentiate it."""
         if function is np.zeros:
-            return Jet(function(*arguments, **options), 0.0)
+            return Jet(function(*arguments, **options), function(*arguments, **options))
         if function is np.where:
             choice, *either = arguments
             return Jet(function(choice, *map(value_of, either)), function(choice, *map(rate_of, either)))
@@ -68,7 +71,7 @@ class Jet(np.lib.mixins.NDArrayOperatorsMixin):
         return Jet(self.value[key], self.rate[key])
 
     def __setitem__(self, key: Any, item: Any) -> None:
-        """Write part of it, with its rate."""
+        """Write part of it, with its rate: of zeros, or of a copy."""
         self.value[key], self.rate[key] = value_of(item), rate_of(item)
 
     def __len__(self) -> int:
@@ -119,7 +122,7 @@ class Jet(np.lib.mixins.NDArrayOperatorsMixin):
 
     def copy(self) -> Jet:
         """A copy, to be written to."""
-        return Jet(self.value, self.rate)
+        return Jet(self.value.copy(), self.rate.copy())
 
     def ravel(self) -> Jet:
         """In one row."""

@@ -16,11 +16,11 @@ import numpy as np
 from gripper.arrays import Array
 from gripper.motion.locking import Limit, limits, opened
 from gripper.sensitivity.flow import Change
-from gripper.sensitivity.jet import NotFormedError, jet, rate_of
-from gripper.sensitivity.second import strained
+from gripper.sensitivity.jet import NotFormedError
+from gripper.sensitivity.second import left
 from gripper.sensitivity.seeds import Seeds, Solved
 from gripper.sensitivity.swept import SweptObstacle
-from gripper.sensitivity.tangent import carried, residual
+from gripper.sensitivity.tangent import whole
 from gripper.sensitivity.touching import Touching
 from gripper.statics.equilibrium import Equilibrium
 
@@ -50,14 +50,12 @@ def _limit_rates(seeds: Seeds, known: Solved, limit: Limit) -> Array:
     setting, equilibrium = seeds.setting, known.touching.equilibrium
     without, slipping = (opened(setting, equilibrium, limit.contact, ratio) for ratio in (0.0, limit.ratio))
     matrix = slipping.matrix()
-    left, _, right = np.linalg.svd(matrix)
-    u, v = left[:, -1], right[-1]
+    across, _, along = np.linalg.svd(matrix)
+    u, v = across[:, -1], along[-1]
     touching = Touching(setting, slipping, seeds.finger, seeds.loads)
-    way = carried(touching, Change.none(touching, 1), v[None], matrix)
-    moved = touching.moved(way.change, 0, SweptObstacle(equilibrium.obstacle, equilibrium.obstacle.frame))
-    change = seeds.change(moved, known.frames)
-    whole = carried(moved, change, jet(_solution(known, touching), 0.0), matrix)
-    off = rate_of(residual(moved, strained(moved, whole.change)).stacked)
+    way = whole(touching, Change.none(touching, 1), v[None])
+    moved = touching.moved(way, 0, SweptObstacle(equilibrium.obstacle, equilibrium.obstacle.frame))
+    off = left(moved, seeds.change(moved, known.frames), _solution(known, touching))
     turned: Array = -(off @ u) * limit.ratio / (u @ (matrix - without.matrix()) @ v)
     return turned
 

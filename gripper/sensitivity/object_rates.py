@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 import sympy
@@ -65,6 +66,7 @@ class _FormulaRates:
         self.values = list(values.values())
         opened = Opened(body, values)
         self._formula, self._symbols = opened.read(lambda part: part.g(X, Y)), tuple(opened.symbols.values())
+        self._rates = surface(self._formula, self._symbols)
 
     def at(self, points: Array) -> tuple[Array, Complex]:
         table = swept(self._table, points)
@@ -72,10 +74,16 @@ class _FormulaRates:
 
     def _table(self, points: Array, order: int) -> Array:
         """Rates of g, g_x and g_y, (p, 3, k); of order 1 their derivatives by x and y, (2, p, 3, k)."""
-        formulas = [sympy.diff(self._formula, along) for along in (X, Y)] if order else [self._formula]
-        each = [surface(g, self._symbols)(points[:, 0], points[:, 1], *self.values)[3:] for g in formulas]
+        each = [
+            rates(points[:, 0], points[:, 1], *self.values)[3:] for rates in (self._ahead if order else [self._rates])
+        ]
         tables = [filled(values, len(points)).reshape(len(self.values), 3, len(points)) for values in each]
         return np.stack(tables) if order else tables[0]
+
+    @functools.cached_property
+    def _ahead(self) -> list[Any]:
+        """The same of g_x and of g_y."""
+        return [surface(sympy.diff(self._formula, along), self._symbols) for along in (X, Y)]
 
     def corners(self, points: Array) -> Complex:
         return np.zeros((len(self.values), len(points)), dtype=complex)

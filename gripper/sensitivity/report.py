@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -212,12 +212,7 @@ def _rows(
     table: Table, pose: PoseResult, seeds: Seeds, kind: Literal["exact", "one-sided"], reason: str | None
 ) -> list[PoseSensitivity]:
     fields = {f.name for f in dataclasses.fields(PoseSensitivity)}
-    return [
-        PoseSensitivity(
-            parameter=pose.parameter,
-            kind=kind,
-            reason=reason,
-            **{name: rates[i] for name, rates in table.items() if name in fields},
-        )
-        for i in range(len(seeds.keys))
-    ]
+    known = [name for name in table if name in fields]
+    rows = zip(*(table[name].tolist() for name in known), strict=True)
+    same: dict[str, Any] = {"parameter": pose.parameter, "kind": kind, "reason": reason}
+    return [PoseSensitivity(**same, **dict(zip(known, row, strict=True))) for row in rows]

@@ -15,12 +15,13 @@ from typing import Any
 
 import numpy as np
 
+from gripper.arrays import Array
 from gripper.sensitivity.flow import Change
 from gripper.sensitivity.jet import jet, rate_of
 from gripper.sensitivity.numbers import Reading
 from gripper.sensitivity.seeds import Seeds, Solved
 from gripper.sensitivity.swept import SweptObstacle
-from gripper.sensitivity.tangent import Rates, carried, residual
+from gripper.sensitivity.tangent import carried, residual, whole
 from gripper.sensitivity.touching import Touching
 from gripper.statics.equilibrium import Equilibrium
 
@@ -44,11 +45,15 @@ def along_motion(seeds: Seeds, equilibrium: Equilibrium) -> Reading:
     }
     touching = known.touching.moved(found.change, -1, SweptObstacle(equilibrium.obstacle, replace(frame, **going)))
     change = seeds.change(touching, frames)
-    moving = carried(touching, change, jet(found.solution, 0.0), found.system)
-    off = rate_of(residual(touching, strained(touching, moving.change)).stacked)
-    further = -np.linalg.solve(found.system, off.T).T
-    whole: Rates = carried(touching, change, jet(found.solution, further), found.system)
-    return Reading.of(seeds, Solved(touching, frames, whole))
+    off = left(touching, change, found.solution)
+    solution = jet(found.solution, -np.linalg.solve(found.system, off.T).T)
+    return Reading.of(seeds, Solved(touching, frames, carried(touching, change, solution, found.system)))
+
+
+def left(touching: Touching, change: Change, solution: Array) -> Array:
+    """How the residual's rates change (d, n + m + k) as an equilibrium moves, the rates of its unknowns held."""
+    found: Array = rate_of(residual(touching, strained(touching, whole(touching, change, solution))).stacked)
+    return found
 
 
 def strained(touching: Touching, change: Change) -> Change:

@@ -45,12 +45,12 @@ class Rates:
     @property
     def multipliers(self) -> Array:
         """Of the contacts, (d, m)."""
-        return self.solution[:, self.sizes[0] : sum(self.sizes[:2])]
+        return self.solution[:, self.sizes[0] : self.sizes[0] + self.sizes[1]]
 
     @property
     def places(self) -> Array:
         """Of the contacts, (d, k)."""
-        return self.solution[:, sum(self.sizes[:2]) :]
+        return self.solution[:, self.sizes[0] + self.sizes[1] :]
 
 
 def residual(touching: Touching, change: Change) -> Residual:
@@ -146,13 +146,20 @@ def rates(touching: Touching, change: Change) -> Rates:
 
 def carried(touching: Touching, change: Change, solution: Array, system: Array) -> Rates:
     """The rates of the equilibrium, from the rates of its unknowns, multipliers and places."""
-    sizes = touching.beam.size, touching.rows, touching.columns
-    first, last = sizes[0], sizes[0] + sizes[1]
+    moving = whole(touching, change, solution)
+    return Rates(
+        moving, flow(touching, moving), solution, system, (touching.beam.size, touching.rows, touching.columns)
+    )
+
+
+def whole(touching: Touching, change: Change, solution: Array) -> Change:
+    """A change with the rates (d, n + m + k) of unknowns, multipliers and places that it brings about."""
+    first, last = touching.beam.size, touching.beam.size + touching.rows
     unknowns, multipliers, places = solution[:, :first], solution[:, first:last], solution[:, last:]
     breaks, queries, ratios = touching.moves
     weights = [touching.spread(s.site, multipliers[:, s.row : s.row + s.site.multipliers]) for s in touching.spans]
     coefficients, turns = touching.geometry.pushed(unknowns)
-    whole = replace(
+    return replace(
         change,
         breaks=change.breaks + places @ breaks,
         queries=change.queries + places @ queries,
@@ -161,4 +168,3 @@ def carried(touching: Touching, change: Change, solution: Array, system: Array) 
         coefficients=coefficients,
         weights=np.concatenate([multipliers[:, :0], *weights], axis=1),
     )
-    return Rates(whole, flow(touching, whole), solution, system, sizes)
