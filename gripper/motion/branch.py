@@ -71,7 +71,9 @@ class Branch:
 
     def know(self, others: Iterable[Along]) -> None:
         """Take in more equilibria of the branch."""
-        self.known += [at for at in others if all(at.parameter != known.parameter for known in self.known)]
+        for at in others:
+            if all(at.parameter != known.parameter for known in self.known):
+                self.known.append(at)
 
     def _guess(self, start: Along, parameter: float) -> State:
         """The state at a parameter: by the polynomial through those nearest to it; along the tangent where few are."""

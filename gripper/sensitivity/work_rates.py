@@ -153,7 +153,7 @@ class Account:
     def _work(self, stretch: _Stretch) -> tuple[float, Array]:
         """Work of a stretch, dimensionless, and its rates, in J: Gauss' rule."""
         branch = Branch(self.way.setting, self.way.path, stretch.known[0], self.way.order)
-        branch.known = list(stretch.known)
+        branch.know(stretch.known)
         half, middle = (stretch.stop - stretch.start) / 2, (stretch.stop + stretch.start) / 2
         work, rates = 0.0, self.none
         for x, weight in zip(_NODES.tolist(), (_WEIGHTS * half).tolist(), strict=True):
