@@ -13,9 +13,9 @@ from gripper.beam.axis import Axis
 from gripper.beam.sections import sections
 from gripper.beam.strains import Beam
 from gripper.contact.linear import linearise
+from gripper.contact.linearisation import Linearisation
 from gripper.contact.obstacle import Frame, Obstacle
 from gripper.contact.outline import LOWER, UPPER, Outline
-from gripper.contact.rows import Linearisation
 from gripper.contact.site import Site
 from gripper_plugins.jaws.polygon import PolygonJaw
 from gripper_plugins.objects.ellipse import Ellipse
@@ -136,13 +136,13 @@ QUANTITIES = {
 DERIVATIVES = {
     ("values", "z"): lambda lin: lin.gradients,
     ("values", "places"): lambda lin: lin.value_slopes,
-    ("values", "rate"): lambda lin: lin.value_rates,
+    ("values", "rate"): lambda lin: lin.rates()[0],
     ("residuals", "z"): lambda lin: lin.residual_gradients,
     ("residuals", "places"): lambda lin: lin.residual_slopes,
-    ("residuals", "rate"): lambda lin: lin.residual_rates,
+    ("residuals", "rate"): lambda lin: lin.rates()[1],
     ("load", "z"): lambda lin: lin.hessian,
     ("load", "places"): lambda lin: lin.load_slopes,
-    ("load", "rate"): lambda lin: lin.load_rates,
+    ("load", "rate"): lambda lin: lin.rates()[2],
     ("load", "multipliers"): lambda lin: lin.gradients.T,
     ("force", "z"): lambda lin: lin.force_gradient[None],
     ("force", "places"): lambda lin: lin.force_places[None],

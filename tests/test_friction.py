@@ -416,7 +416,8 @@ def test_the_linearisation_with_friction_is_the_derivative_of_its_equations(kind
             [found.residual_gradients, np.zeros((len(found.residuals), m)), found.residual_slopes],
         ]
     )
-    rates = np.concatenate([-found.load_rates, found.value_rates, found.residual_rates])
+    values, residuals, loads = found.rates()
+    rates = np.concatenate([-loads, values, residuals])
     step = 1e-6
     for _ in range(4):
         way = random.standard_normal(len(matrix)) * np.r_[np.ones(n + m), np.full(len(matrix) - n - m, 1e-3)]

@@ -9,9 +9,10 @@ import numpy as np
 from gripper.arrays import Array, Index
 from gripper.beam.axis import Axis
 from gripper.beam.strains import Beam
+from gripper.contact.linearisation import Linearisation
 from gripper.contact.obstacle import Obstacle
 from gripper.contact.outline import Outline, Stations, second_derivative
-from gripper.contact.rows import Linearisation, System
+from gripper.contact.rows import System
 from gripper.contact.site import CUTS, Site, own_segment, pressure_rule
 
 _AT_BREAK = 0.02  # a force this near to a break is the break's own: its segments were cut there
@@ -56,8 +57,10 @@ def linearise(
         from gripper.contact.rubbing import rub  # without friction it is not even read
 
         rub(system, u)
-    hessian = second_derivative(axis, stations, system.pull) + system.extra
+    hessian = second_derivative(axis, stations, system.pull)
     hessian += system.stiffened()
+    if system.extra is not None:
+        hessian += system.extra
     found = system.linearisation(hessian, queries)
     return found if obstacle.acting is None else found.pushed(obstacle.acting.push(axis))
 
@@ -68,8 +71,8 @@ def _nothing(size: int) -> Linearisation:
     none, wide, square = np.zeros(0), np.zeros((0, size)), np.zeros((0, 0))
     forces = np.zeros(size) + 0j, none + 0j, none + 0j
     gaps, places, whole = (none, wide, square), (none, wide, square), np.zeros((size, size))
-    rates = none, none, np.zeros(size)
-    return Linearisation(*gaps, *places, wide.T, wide.T, whole, *rates, *forces, (), (), (), wide)
+    still = none, none, np.zeros(size)
+    return Linearisation(*gaps, *places, wide.T, wide.T, whole, lambda: still, *forces, (), (), (), wide)
 
 
 def _places(site: Site, order: int) -> Array:

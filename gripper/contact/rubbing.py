@@ -100,11 +100,13 @@ class _Rubbed:
         offsets, psi = stations.offsets[self.span], stations.psi[self.span]
         half = np.abs(offsets)
         axis = (1j if self.site.piece == LOWER else -1j) * offsets / half
-        self.borne = self.gradients - (1j * offsets)[:, None] * psi
+        lever = (1j * offsets)[:, None] * psi
+        self.borne = self.gradients - lever
         self.borne_tangents = (1j * axis)[:, None] * psi
         system.ahead[self.span] = abs(self.ratio) * half * axis
         turning = self.ratio * self._forces() * dot(self.rubs, offsets)
-        system.extra += psi.T @ (turning[:, None] * psi)
+        system.stiffen(psi.T @ (turning[:, None] * psi))
+        system.levers.append((self.span, self.ratio * lever))
 
     def _moves(self) -> Array:
         moves = np.zeros((len(self.u), self.site.unknown_places))
@@ -139,9 +141,6 @@ class _Rubbed:
             system.force_places[columns] += self.steepening * complex(force @ self.rubs) * middle
         if self.site.kind == "vertex":
             self._at_corner(float(force[0]))
-        else:
-            turning = rho * force * (-1j * system.normal_rate[self.span]).conj()
-            system.load_rates += (turning @ self.borne).real
         system.pull[self.span] += rho * force * self.rubs
 
     def _modes(self) -> Array:
@@ -157,7 +156,7 @@ class _Rubbed:
     def _by_place(self) -> tuple[Array, Complex]:
         """Derivatives along the piece of friction's unit loads (queries, n) and direction (queries,)."""
         if self.site.kind == "vertex":
-            n, _, turn = self.system.corners[self.span.start]
+            n, _, turn, _ = self.system.corners[self.span.start]
             turned = np.array([turn * n])
         else:
             turned = -1j * self.system.bent[self.span]
@@ -166,9 +165,9 @@ class _Rubbed:
 
     def _at_corner(self, force: float) -> None:
         """At a corner of the object the face decides the direction, and turns it."""
-        n, turning, _ = self.system.corners[self.span.start]
+        n, turning, *_ = self.system.corners[self.span.start]
         push = (n.conjugate() * self.gradients[0]).real
-        self.system.extra += self.ratio * force * np.outer(push, turning)
+        self.system.stiffen(self.ratio * force * np.outer(push, turning))
         self.system.force_gradient += self.ratio * force * n * turning
 
     def grip_on(self, column: int) -> None:
@@ -216,4 +215,4 @@ class _Rubbed:
         system.residual_slopes[at, columns] = (weights * each) @ self.moves
         passing = (back * system.obstacle.velocities(points)).real
         turning = frame.spin * way / 2 * (1j * back * tangents).real
-        system.residual_rates[at] = float(weights @ (turning - passing))
+        system.anchored[at] = float(weights @ (turning - passing))

@@ -166,7 +166,7 @@ def _met(setting: Setting, path: Path, old: Along, site: Site, ends: tuple[float
         obstacle = setting.obstacle(path.frame(at))
         lin = linearise(state.beam, state.z, setting.outline, obstacle, (site,), np.zeros(1), kinks=False)
         slopes = np.concatenate([lin.value_slopes, lin.residual_slopes])
-        rates = np.concatenate([lin.value_rates, lin.residual_rates])
+        rates = np.concatenate(lin.rates()[:2])
         step = solved(np.column_stack([slopes, rates]), -np.concatenate([lin.values, lin.residuals]))
         if step is None or not 0 <= (at + step[-1] - start) / way <= 1:
             return None

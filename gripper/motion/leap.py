@@ -15,9 +15,9 @@ import numpy as np
 
 from gripper.contact.kinematics import Retreat
 from gripper.contact.linear import linearise
+from gripper.contact.linearisation import Linearisation
 from gripper.contact.obstacle import Obstacle
 from gripper.contact.outline import UPPER, dot
-from gripper.contact.rows import Linearisation
 from gripper.contact.site import Site
 from gripper.statics.certificate import Survey, survey
 from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, Step, kkt_step, reckoned

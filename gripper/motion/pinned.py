@@ -110,7 +110,8 @@ def _step(at: Equilibrium, left: Array, pin: Pin) -> tuple[Array, Array, float]:
         Where the value does not answer to the parameter, or the system is singular.
     """
     state, lin = at.state, at.linear
-    rates = np.concatenate([lin.load_rates, -lin.value_rates, -lin.residual_rates])
+    values, residuals, loads = lin.rates()
+    rates = np.concatenate([loads, -values, -residuals])
     both = solved(at.matrix(), np.array([-left, rates], order="F").T)
     if both is None:
         raise NoEquilibriumError("the KKT system is singular (parallel constraints)")

@@ -6,7 +6,7 @@ import numpy as np
 
 from gripper.arrays import Array
 from gripper.beam.axis import Axis
-from gripper.contact.rows import Linearisation
+from gripper.contact.linearisation import Linearisation
 from gripper.statics.contact_forces import NO_FORCE
 from gripper.statics.equilibrium import Equilibrium, State, kkt_step
 

@@ -28,9 +28,9 @@ from gripper.beam.axis import Axis
 from gripper.beam.energy import energy, energy_gradient, energy_hessian
 from gripper.beam.sections import Sections
 from gripper.beam.strains import Beam, BeamTheory
+from gripper.contact.linearisation import Linearisation
 from gripper.contact.obstacle import Frame, Obstacle
 from gripper.contact.outline import Outline
-from gripper.contact.rows import Linearisation
 from gripper.contact.site import Site, tied
 from gripper.objects import Object
 from gripper.statics.acting import Acting
@@ -201,8 +201,8 @@ class Equilibrium:
     @functools.cached_property
     def _tangent(self) -> Step:
         lin = self.linear
-        right = np.concatenate([lin.load_rates, -lin.value_rates, -lin.residual_rates])
-        rates = solved(carried_matrix(self.state, lin), right)
+        values, residuals, loads = lin.rates()
+        rates = solved(carried_matrix(self.state, lin), np.concatenate([loads, -values, -residuals]))
         if rates is None:
             raise np.linalg.LinAlgError("the tangent is vertical")
         return _split(rates, lin)

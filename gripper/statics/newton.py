@@ -10,21 +10,23 @@ import numpy as np
 
 from gripper.arrays import Array
 from gripper.contact.linear import linearise
+from gripper.contact.linearisation import Linearisation
 from gripper.contact.obstacle import Obstacle
-from gripper.contact.rows import Linearisation
 from gripper.contact.site import WIDE
 from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, anchored, kkt_step
 from gripper.statics.patches import flushed
 from gripper.statics.steps import advanced, ends_at, largest
 
 _ITERATIONS = 20
-_CONVERGED = 1e-5  # last step, relative: the next one, of second order, would be round-off
-_LEFT = 5e-5  # of the tolerance: what may then be left of the forces, relative
-_LEAST_LEFT, _MOST_LEFT = 1e-10, 1e-9  # within these bounds
+_CLOSE = 3e-4  # last step, relative: the next one, of second order, may be round-off
+_LEFT = 5e-5  # of the tolerance: what may then be left of the equations, relative
+_LEAST_LEFT, _MOST_LEFT = 1e-10, 5e-9  # within these bounds
 _PRECISE = 1e-8  # tolerance of an equilibrium that is differentiated
 _FLUSH_ORDER = 5  # of strains that tell a pressure of many modes from the force of the corner that it ends in
 _FITS = 1e-3  # last step, relative: below it the fields fit the places
 _NO_STRAIN = 1e-8  # |z| below which steps are judged by their own size: round-off of the gap moves z by 1e-16
+_NO_REACH = 1e-4  # |dC/dz| below which what is left of a contact is judged by its own size
+_ROUND_OFF = 1e-15  # of a gap, by L
 _FURTHEST = 0.15  # of L: the most that a place moves in a step of Newton's
 _SHRINKING = 0.5  # the most of its width that a patch loses in one
 _DEPARTS = 0.3  # of a step of the loads: what it may differ from its prediction
@@ -74,9 +76,9 @@ def _newton(setting: Setting, obstacle: Obstacle, state: State, order: int, *, j
     for iteration in range(_ITERATIONS):
         if iteration == 0 and not _fitted(setting, state, order):
             state = state.on(setting.beam(state.sites, order))
-        lin, enriched = _linear(setting, obstacle, state, enrich=judged and last < _CONVERGED)
+        lin, enriched = _linear(setting, obstacle, state, enrich=judged and last < _CLOSE)
         state = anchored(state, lin) if iteration == 0 else state
-        if last < _CONVERGED and (last < settled or _unbalanced(state, lin) < settled):
+        if last < _CLOSE and (last < settled or _left(state, lin) < settled):
             return Equilibrium(state, obstacle, lin, iteration, way, enriched)
         # flush on a flat: how the place of lift-off answers to steps shows only once the fields fit that place
         held = flush and not held and last > _FITS
@@ -102,7 +104,7 @@ def polished(setting: Setting, equilibrium: Equilibrium) -> Equilibrium:
         Where Newton's method does not converge: at a limit point.
     """
     state, precise = equilibrium.state, replace(setting, tolerance=min(_PRECISE, setting.tolerance))
-    settled = _unbalanced(state, equilibrium.linear) < _settled(precise) or _size(state.z) < _NO_STRAIN
+    settled = _left(state, equilibrium.linear) < _settled(precise) or _size(state.z) < _NO_STRAIN
     if settled and _fitted(precise, state, state.beam.order):
         return equilibrium
     return settle(precise, equilibrium.obstacle, state, state.beam.order)
@@ -120,14 +122,19 @@ def _linear(
 
 
 def _settled(setting: Setting) -> float:
-    """What may be left of the stationarity condition, relative."""
+    """What may be left of an equation, relative."""
     return min(max(_LEFT * setting.tolerance, _LEAST_LEFT), _MOST_LEFT)
 
 
-def _unbalanced(state: State, lin: Linearisation) -> float:
-    """What is left of the stationarity condition, relative."""
-    left = _size(state.energy_gradient - lin.load(state.multipliers))
-    return left / (_size(state.z) + _NO_STRAIN)
+def _left(state: State, lin: Linearisation) -> float:
+    """The most that is left of an equation: of the stationarity, of the contacts' and of their places', relative."""
+    size = _size(state.z) + _NO_STRAIN
+    left = _size(state.energy_gradient - lin.load(state.multipliers)) / size
+    for values, gradients in ((lin.values, lin.gradients), (lin.residuals, lin.residual_gradients)):
+        if values.size:
+            reach = np.sqrt(np.einsum("kn,kn->k", gradients, gradients)) + _NO_REACH
+            left = max(left, float(((np.abs(values) - _ROUND_OFF) / reach).max()) / size)
+    return left
 
 
 def _size(vector: Array) -> float:

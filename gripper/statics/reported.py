@@ -9,8 +9,8 @@ import numpy as np
 from gripper.arrays import Array
 from gripper.contact.features import conform
 from gripper.contact.kinematics import Placement
+from gripper.contact.linearisation import Linearisation
 from gripper.contact.outline import Part
-from gripper.contact.rows import Linearisation
 from gripper.contact.site import Site
 from gripper.result import Contact
 from gripper.statics.contact_forces import NO_FORCE

@@ -10,9 +10,9 @@ from scipy.interpolate import CubicSpline
 
 from gripper.arrays import Array, Complex, Index
 from gripper.beam.axis import Axis
+from gripper.contact.linearisation import Linearisation
 from gripper.contact.obstacle import Obstacle
 from gripper.contact.outline import LOWER, UPPER
-from gripper.contact.rows import Linearisation
 from gripper.objects import Object
 from gripper.statics.equilibrium import Setting, State
 from gripper.study.shot import MARKS, Answer, Shot

@@ -21,8 +21,8 @@ from scipy.optimize import minimize
 
 from gripper.arrays import Array
 from gripper.contact.linear import linearise
+from gripper.contact.linearisation import Linearisation
 from gripper.contact.obstacle import Obstacle
-from gripper.contact.rows import Linearisation
 from gripper.contact.site import Site
 from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, State
 
