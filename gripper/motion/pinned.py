@@ -109,10 +109,8 @@ def _step(at: Equilibrium, left: Array, pin: Pin) -> tuple[Array, Array, float]:
     NoEquilibriumError
         Where the value does not answer to the parameter, or the system is singular.
     """
-    state, lin = at.state, at.linear
-    values, residuals, loads = lin.rates()
-    rates = np.concatenate([loads, -values, -residuals])
-    both = solved(at.matrix(), np.array([-left, rates], order="F").T)
+    state = at.state
+    both = solved(at.matrix(), np.array([-left, at.passing()], order="F").T)
     if both is None:
         raise NoEquilibriumError("the KKT system is singular (parallel constraints)")
     unknown = state.z.size + pin.unknown

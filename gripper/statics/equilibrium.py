@@ -200,12 +200,15 @@ class Equilibrium:
 
     @functools.cached_property
     def _tangent(self) -> Step:
-        lin = self.linear
-        values, residuals, loads = lin.rates()
-        rates = solved(carried_matrix(self.state, lin), np.concatenate([loads, -values, -residuals]))
+        rates = solved(carried_matrix(self.state, self.linear), self.passing())
         if rates is None:
             raise np.linalg.LinAlgError("the tangent is vertical")
-        return _split(rates, lin)
+        return _split(rates, self.linear)
+
+    def passing(self) -> Array:
+        """What the object's motion, and that of the loads, adds to the right-hand side, (n + m + k,)."""
+        values, residuals, loads = self.linear.rates()
+        return np.concatenate([loads, -values, -residuals])
 
     @property
     def stored(self) -> float:
