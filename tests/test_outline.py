@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 from gripper.beam.axis import Axis
 from gripper.beam.sections import sections
 from gripper.beam.strains import Beam
-from gripper.contact.outline import LOWER, UPPER, Outline, second_derivative
+from gripper.contact.outline import LOWER, UPPER, Outline
+from gripper.contact.stations import stations
 from gripper_plugins.jaws.polygon import PolygonJaw
 from gripper_plugins.jaws.triangle import Triangle
 from tests.scenes import STRAIGHT, TAPERED, unit_finger
@@ -73,7 +74,7 @@ def test_every_point_belongs_to_its_section_which_turns_by_psi(outline: Outline,
 def test_stations_are_the_trace_and_its_exact_derivatives_along_the_piece(outline: Outline, seed: int) -> None:
     beam, z, piece, u, segment = somewhere(outline, seed)
     axis = Axis.of(beam, z)
-    found = outline.stations(axis, piece, u, segment)
+    found = stations(outline, axis, piece, u, segment)
     points, tangents, _ = outline.trace(axis, piece, u, segment)
     assert found.points == pytest.approx(points, abs=1e-13)
     assert found.tangents == pytest.approx(tangents, abs=1e-13)
@@ -88,7 +89,7 @@ def test_points_and_tangents_have_exact_gradients_in_the_unknowns(outline: Outli
     beam, z, piece, u, segment = somewhere(outline, seed)
     direction = np.random.default_rng(seed).normal(size=z.size)
     direction /= np.linalg.norm(direction)
-    found = outline.stations(Axis.of(beam, z), piece, u, segment)
+    found = stations(outline, Axis.of(beam, z), piece, u, segment)
     up, down = (outline.trace(Axis.of(beam, z + h * direction), piece, u, segment) for h in (H, -H))
     assert found.gradients @ direction == pytest.approx((up[0] - down[0]) / (2 * H), abs=1e-8)
     assert found.tangent_gradients @ direction == pytest.approx((up[1] - down[1]) / (2 * H), abs=1e-7)
@@ -103,10 +104,10 @@ def test_the_second_derivative_in_the_unknowns_is_exact(outline: Outline, seed: 
     direction = random.normal(size=z.size) / np.sqrt(z.size)
 
     def pull(z: np.ndarray) -> np.ndarray:
-        return (forces.conj() @ outline.stations(Axis.of(beam, z), piece, u, segment).gradients).real
+        return (forces.conj() @ stations(outline, Axis.of(beam, z), piece, u, segment).gradients).real
 
     axis = Axis.of(beam, z)
-    hessian = second_derivative(axis, outline.stations(axis, piece, u, segment), forces)
+    hessian = stations(outline, axis, piece, u, segment).second_derivative(axis, forces)
     assert hessian == pytest.approx(hessian.T, abs=1e-13)
     change = (pull(z + H * direction) - pull(z - H * direction)) / (2 * H)
     assert hessian @ direction == pytest.approx(change, abs=1e-7)

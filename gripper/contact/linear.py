@@ -11,9 +11,10 @@ from gripper.beam.axis import Axis
 from gripper.beam.strains import Beam
 from gripper.contact.linearisation import Linearisation
 from gripper.contact.obstacle import Obstacle
-from gripper.contact.outline import Outline, Stations, second_derivative
+from gripper.contact.outline import Outline
 from gripper.contact.rows import System
 from gripper.contact.site import CUTS, Site, own_segment, pressure_rule
+from gripper.contact.stations import Stations, stations
 
 _AT_BREAK = 0.02  # a force this near to a break is the break's own: its segments were cut there
 
@@ -37,10 +38,10 @@ def linearise(
         return nothing if obstacle.acting is None else nothing.pushed(obstacle.acting.push(Axis.of(beam, z)))
     queries = [_places(site, beam.order) for site in sites]
     u = np.concatenate(queries)
-    piece = np.concatenate([np.full(len(q), site.piece) for site, q in zip(sites, queries, strict=True)])
+    piece = np.array([site.piece for site in sites]).repeat([len(q) for q in queries])
     axis = Axis.of(beam, z)
-    stations = _stations(axis, outline, piece, u, sites, queries, kinks)
-    system = System(beam, sites, stations, obstacle)
+    looked_at = _stations(axis, outline, piece, u, sites, queries, kinks)
+    system = System(beam, sites, looked_at, obstacle)
     first = row = column = 0
     for site, places in zip(sites, queries, strict=True):
         span = slice(first, first + len(places))
@@ -57,7 +58,7 @@ def linearise(
         from gripper.contact.rubbing import rub  # without friction it is not even read
 
         rub(system, u)
-    hessian = second_derivative(axis, stations, system.pull)
+    hessian = looked_at.second_derivative(axis, system.pull)
     hessian += system.stiffened()
     if system.extra is not None:
         hessian += system.extra
@@ -80,8 +81,13 @@ def _places(site: Site, order: int) -> Array:
     if not site.spreads:
         return np.array(site.place or (0.0,))
     a, b = site.place
-    gauss = (a + b) / 2 + (b - a) / 2 * pressure_rule(site.modes, order)[0]
-    return np.append(gauss, site.place[: site.unknown_places])
+    return a + (b - a) * _along(site.modes, order, site.unknown_places)
+
+
+@functools.cache
+def _along(modes: int, order: int, ends: int) -> Array:
+    """The places of a pressure from 0 to 1: Gauss points, and the ends that are free."""
+    return np.array([*((pressure_rule(modes, order)[0] + 1) / 2).tolist(), *(0.0, 1.0)[:ends]])
 
 
 def _stations(
@@ -101,8 +107,8 @@ def _stations(
         left += [before] * len(places)
         right += [after] * len(places)
     if left == right:
-        return outline.stations(axis, piece, u, np.array(left))
-    return outline.stations(axis, np.tile(piece, 2), np.tile(u, 2), np.array(left + right)).folded()
+        return stations(outline, axis, piece, u, np.array(left))
+    return stations(outline, axis, np.tile(piece, 2), np.tile(u, 2), np.array(left + right)).folded()
 
 
 def _segments(beam: Beam, site: Site, kinks: bool) -> tuple[int, int]:

@@ -16,7 +16,7 @@ from typing import Literal
 import numpy as np
 
 from gripper.arrays import Array, Complex, Index, Mask
-from gripper.beam.axis import Axis, course
+from gripper.beam.axis import Axis
 from gripper.beam.sections import Sections
 
 Part = Literal["lower", "upper", "tip", "jaw"]
@@ -53,27 +53,6 @@ class Corner:
     on: Part
     point: complex
     s: float  # what a report names as its place
-
-
-@dataclass(frozen=True, eq=False)
-class Stations:
-    """Points c of the outline and their derivatives: ' along the piece, _z in the unknowns."""
-
-    points: Complex  # (k,)
-    tangents: Complex  # c', (k,)
-    curvatures: Complex  # c'', (k,)
-    gradients: Complex  # c_z, (k, n)
-    tangent_gradients: Complex  # c'_z, (k, n)
-    strained: Complex  # the part of c'_z that comes of the strains at the section itself, (k, n)
-    position: Array  # (k, g)
-    offsets: Complex  # P exp(i psi), (k,)
-    psi: Array  # (k, n)
-
-    def folded(self) -> Stations:
-        """The mean of two readings of the same places, one after the other."""
-        k = len(self.points) // 2
-        values = (getattr(self, name) for name in self.__dataclass_fields__)
-        return Stations(*((value[:k] + value[k:]) / 2 for value in values))
 
 
 class Outline:
@@ -219,49 +198,6 @@ class Outline:
         offset = P * np.exp(1j * psi)
         position, moving = axis.integrated(rows.position)
         return position + offset, moving + (1j * offset)[:, None] * rows.strains[0]
-
-    def stations(self, axis: Axis, piece: Index, u: Array, segment: Index) -> Stations:
-        """Points and derivatives at u (k,) along pieces (k,), read from the given segments' polynomials (k,)."""
-        s, P, P1, P2 = self.offsets(piece, u)
-        rows = axis.beam.rows(s, segment)
-        psi, *strains = rows.strains @ axis.z
-        if self.sections.rest is not None:
-            bent = self.sections.rest.curvature(s)
-            psi, strains[1], strains[2] = psi + self.sections.rest.angle(s), strains[1] + bent[0], strains[2] + bent[1]
-        turn = np.exp(1j * psi)
-        own, e0, e1 = course(turn, strains), P * turn, P1 * turn
-        ie0, ie1 = 1j * e0, 1j * e1
-        # dc'/d(gamma, kappa), and by eps; what the strains at the section do is nothing to a rigid piece
-        along, by_strain = own.along, [own.by_shear, ie0]
-        kappa, kappa1, bend = strains[1], strains[2], own.bend
-        maps = rows.strains[1:3]
-        if own.by_stretch is not None:
-            by_strain.append(own.by_stretch)
-            maps = rows.strains[[1, 2, 5]]
-        flexible = piece <= UPPER
-        if not flexible.all():
-            along, kappa, kappa1, bend, *by_strain = (
-                value * flexible for value in (along, kappa, kappa1, bend, *by_strain)
-            )
-        strained = np.einsum("ck,ckn->kn", np.array(by_strain), maps)
-        position, moving = axis.integrated(rows.position)
-        return Stations(
-            position + e0,
-            along + e1 + kappa * ie0,
-            bend + P2 * turn + 2 * kappa * ie1 + kappa1 * ie0 - kappa**2 * e0,
-            moving + ie0[:, None] * rows.strains[0],
-            (1j * along + ie1 - kappa * e0)[:, None] * rows.strains[0] + strained,
-            strained,
-            rows.position,
-            e0,
-            rows.strains[0],
-        )
-
-
-def second_derivative(axis: Axis, stations: Stations, forces: Complex) -> Array:
-    """sum_i f_i . d2c_i/dz2, (n, n), for vectors f (k,) at the stations."""
-    turn = dot(forces, stations.offsets)
-    return axis.second_derivative(forces @ stations.position) - stations.psi.T @ (turn[:, None] * stations.psi)
 
 
 def _inside(point: complex, polygon: Complex) -> bool:

@@ -11,9 +11,10 @@ from gripper.arrays import Array, Complex
 from gripper.beam.strains import Beam
 from gripper.contact.linearisation import Linearisation
 from gripper.contact.obstacle import Obstacle
-from gripper.contact.outline import UPPER, Stations
+from gripper.contact.outline import UPPER
 from gripper.contact.rates import rates
 from gripper.contact.site import Site, pressure_rule
+from gripper.contact.stations import Stations
 
 if TYPE_CHECKING:
     from gripper.contact.rubbing import Rubbing
@@ -169,7 +170,7 @@ class System:
         for site, (span, _, column) in zip(self.sites, self.layout, strict=True):
             if site.on_face and site.kind == "tangent" and site.grip is None:
                 carried = carried.copy() if carried is self.load_slopes else carried
-                carried[:, column] -= dot(self.pull[span.start], self.stations.strained[span.start])
+                carried[:, column] -= dot(self.pull[span.start], self.stations.strained(span.start))
         return carried
 
     def linearisation(self, hessian: Array, queries: list[Array]) -> Linearisation:
