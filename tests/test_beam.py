@@ -161,7 +161,7 @@ def test_segments_that_move_leave_the_shape_of_the_strains_to_second_order(seed:
     old = Beam(THICK, (0.0, 0.3, 0.7, 1.0), 5, "shear")
     z, h, way = random_unknowns(old, seed), 1e-5, np.array([0.0, *moves, 0.0])
     new = Beam(THICK, tuple((np.array(old.breaks) + h * way).tolist()), 5, "shear")
-    carried = new.unknowns(old.coefficients(z) + old.convection(z, h * way))
+    carried = new.unknowns(old.coefficients(z) + old.convection(old.coefficients(z), h * way))
     for segment in range(3):
         s = np.linspace(old.breaks[segment], old.breaks[segment + 1], 9)[1:-1]
         each = np.full(s.size, segment)

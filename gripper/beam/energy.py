@@ -7,6 +7,8 @@ where strains are small, and no section tapers, |z|^2 / 2 is left.
 
 from __future__ import annotations
 
+import functools
+
 import numpy as np
 
 from gripper.arrays import Array
@@ -30,10 +32,17 @@ def energy_gradient(beam: Beam, z: Array) -> Array:
     return np.append(blocks, z[-1:]) if beam.yields else blocks.reshape(-1)
 
 
+@functools.cache
+def _identity(size: int) -> Array:
+    identity = np.eye(size)
+    identity.flags.writeable = False
+    return identity
+
+
 def energy_hessian(beam: Beam, z: Array) -> Array:
     """d2V/dz2 (n, n): the identity under the linear law."""
     if beam.response is None:
-        return np.eye(z.size)
+        return _identity(z.size)
     tangent = beam.gauss_lengths * beam.response.stiffness(beam.gauss_strains(z))
     wide = tangent.reshape(beam.fields, beam.fields, beam.segments, -1)
     blocks = np.einsum("fgeq,feqm,geqk->efmgk", wide, beam.gauss_maps, beam.gauss_maps, optimize=True)

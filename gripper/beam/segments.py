@@ -33,9 +33,9 @@ class Segments:
         self.sections, self.breaks, self.order, self.modes = sections, breaks, order, modes
         self.count, self.fields = len(breaks) - 1, fields
         self.rule = rule(order, modes)
-        marks = np.array(breaks)
-        self.starts = marks[:-1]
-        self.lengths = marks[1:] - self.starts
+        self.marks = np.array(breaks)
+        self.starts = self.marks[:-1]
+        self.lengths = self.marks[1:] - self.starts
         self.halves = self.lengths / 2
         self.gauss = (self.starts[:, None] + self.lengths[:, None] * self.rule.along).ravel()
         self.weights = self.halves[:, None] * self.rule.weights  # the length that each Gauss point stands for
@@ -49,11 +49,14 @@ class Segments:
         shape = self.fields, self.count, self.modes, self.modes
         stiffness = np.array(self.sections.stiffness(self.gauss)[: self.fields]).reshape(self.fields, self.count, -1)
         grams = ((stiffness * self.halves[:, None]) @ self.rule.grams).reshape(-1, self.modes, self.modes)
-        factors = [dpotrf(gram.T) for gram in grams]
-        if any(failed for _, failed in factors):
-            raise np.linalg.LinAlgError("a segment has no stiffness")
-        inverses = [dtrtri(upper)[0] for upper, _ in factors]
-        return np.array([upper for upper, _ in factors]).reshape(shape), np.array(inverses).reshape(shape)
+        factors, inverses = [], []
+        for gram in grams:
+            upper, failed = dpotrf(gram.T)
+            if failed:
+                raise np.linalg.LinAlgError("a segment has no stiffness")
+            factors.append(upper)
+            inverses.append(dtrtri(upper)[0])
+        return np.array(factors).reshape(shape), np.array(inverses).reshape(shape)
 
 
 @functools.lru_cache(maxsize=64)

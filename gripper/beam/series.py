@@ -30,13 +30,11 @@ class Series:
         self._beam, rule, half = beam, beam.rule, beam.halves[:, None]
         self._coefficients = out = np.zeros((beam.segments, rule.x.size + 1, 3 + beam.fields))
         path = (direction.reshape(beam.segments, -1) * half) @ rule.path.T
-        turn = fields[0] @ rule.primitive.T * half
-        # where a segment ends is where the next one starts: every P_k is 1 at its end
-        path[1:, 0] += np.cumsum(path[:-1].sum(axis=1))
-        turn[1:, 0] += np.cumsum(turn[:-1].sum(axis=1))
-        turn[:, 0] += base_turn
-        out[:, :, 0], out[:, :, 1], out[:, :, 2] = path.real, path.imag, turn
+        out[:, :, 0], out[:, :, 1], out[:, :, 2] = path.real, path.imag, fields[0] @ rule.primitive.T * half
         out[:, : beam.modes, 3:] = fields.transpose(1, 2, 0)
+        # where a segment ends is where the next one starts: every P_k is 1 at its end
+        out[1:, 0, :3] += out[:-1, :, :3].sum(axis=1).cumsum(axis=0)
+        out[:, 0, 2] += base_turn
 
     def read(self, s: Array, segment: Index) -> Array:
         """Values at stations s (k,) of given segments (k,): (k, 3 + fields)."""

@@ -143,8 +143,9 @@ class Beam:
 
     def segment_of(self, s: Array, *, left: bool = False) -> Index:
         """The segment of each station; at a break the one after it, or before it with ``left``."""
-        found = np.searchsorted(self.breaks, s, side="left" if left else "right") - 1
-        return np.clip(found, 0, self.segments - 1)
+        found = self._parts.marks.searchsorted(s, side="left" if left else "right") - 1
+        inside: Index = np.minimum(np.maximum(found, 0), self.segments - 1)
+        return inside
 
     def table(self, s: Array, segment: Index) -> Array:
         """P_0 .. P_q at stations s (k,) of given segments (k,): (k, q + 1)."""
@@ -209,17 +210,17 @@ class Beam:
         """The unknowns of this beam whose strains come nearest to those of another beam's z."""
         return self.fit(other.strains(z, self.gauss, other.segment_of(self.gauss)), other.base_turn(z))
 
-    def convection(self, z: Array, moves: Array) -> Array:
+    def convection(self, fields: Array, moves: Array) -> Array:
         """Change of the fields' coefficients when segments move along a shape that stays: (fields, segments, p + 1).
 
         Parameters
         ----------
-        z
-            Unknowns (n,).
+        fields
+            The fields' coefficients, (fields, segments, p + 1).
         moves
             How far each break moves (or its rate), (segments + 1,).
         """
-        slopes = self.coefficients(z) @ differentiation(self.modes).T / self.halves[:, None]
+        slopes = fields @ differentiation(self.modes).T / self.halves[:, None]
         middle, spread = (moves[1:] + moves[:-1]) / 2, (moves[1:] - moves[:-1]) / 2
         return middle[:, None] * slopes + spread[:, None] * (slopes @ multiplication(self.modes).T)
 

@@ -60,7 +60,7 @@ class Kinematics:
 
     def _values(self, parameter: float) -> list[float]:
         try:
-            values = [float(v) for v in self._function(parameter)]
+            values = list(map(float, self._function(parameter)))
         except (ValueError, ZeroDivisionError, OverflowError) as error:
             raise ValueError(f"poses must be finite at every pose; got {error} at {parameter!r}") from error
         if not all(map(math.isfinite, values)):

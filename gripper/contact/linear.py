@@ -38,14 +38,14 @@ def linearise(
         return nothing if obstacle.acting is None else nothing.pushed(obstacle.acting.push(Axis.of(beam, z)))
     queries = [_places(site, beam.order) for site in sites]
     u = np.concatenate(queries)
-    piece = np.array([site.piece for site in sites]).repeat([len(q) for q in queries])
+    piece = np.array([site.piece for site in sites]).repeat([q.size for q in queries])
     axis = Axis.of(beam, z)
     looked_at = _stations(axis, outline, piece, u, sites, queries, kinks)
     system = System(beam, sites, looked_at, obstacle)
     first = row = column = 0
     for site, places in zip(sites, queries, strict=True):
         span = slice(first, first + len(places))
-        load = multipliers[row : row + site.multipliers]
+        load = multipliers[row : row + site.modes]
         if site.kind == "vertex":
             system.add_vertex(site, first, row, column, load[0])
         elif site.spreads:
@@ -53,7 +53,7 @@ def linearise(
         else:
             system.add_point(site, first, row, column, load[0])
         system.layout.append((span, row, column))
-        first, row, column = span.stop, row + site.multipliers, column + site.unknowns
+        first, row, column = span.stop, row + site.modes, column + site.unknowns
     if sites[0].grip is not None:
         from gripper.contact.rubbing import rub  # without friction it is not even read
 

@@ -43,13 +43,13 @@ class Frame:
 
 
 def _plane(points: Complex) -> Array:
-    """Complex numbers (k,) as points (k, 2)."""
-    return np.ascontiguousarray(points, dtype=complex).view(float).reshape(-1, 2)
+    """Complex numbers (k,), the result of arithmetic, as points (k, 2)."""
+    return points.view(float).reshape(-1, 2)
 
 
 def _complex(points: Array) -> Complex:
     """Points (k, 2) as complex numbers (k,)."""
-    return np.ascontiguousarray(points, dtype=float).view(complex).reshape(-1)
+    return points[:, 0] + 1j * points[:, 1]
 
 
 class Obstacle:

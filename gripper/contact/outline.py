@@ -152,9 +152,9 @@ class Outline:
     def offsets(self, piece: Index, u: Array) -> tuple[Array, Complex, Complex, Complex]:
         """Section s, and P, dP/du, d2P/du2 (k,) of points at u (k,) along their pieces (k,)."""
         face = piece <= UPPER
-        if face.all():
+        if np.logical_and.reduce(face):
             sign = (piece - 0.5) * 1j
-            w, w1, w2 = self.sections.profile(u.clip(0.0, 1.0))
+            w, w1, w2 = self.sections.profile(np.minimum(np.maximum(u, 0.0), 1.0))
             return u, sign * w, sign * w1, sign * w2
         s = np.where(face, u, 1.0)
         P, P1, P2 = np.zeros((3, u.size), dtype=complex)

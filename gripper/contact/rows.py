@@ -31,7 +31,7 @@ def _surface(
     obstacle: Obstacle, sites: tuple[Site, ...], points: Complex
 ) -> tuple[Array, Complex, tuple[Array, Complex]]:
     """G / L and its derivatives; none for corners of the object alone, whose distance to the outline counts."""
-    if all(site.kind == "vertex" for site in sites):
+    if {site.kind for site in sites} == {"vertex"}:
         none = np.zeros(len(points))
         return none, none + 0j, (none, none + 0j)
     return obstacle.curvature(points)
@@ -42,7 +42,7 @@ class System:
 
     def __init__(self, beam: Beam, sites: tuple[Site, ...], stations: Stations, obstacle: Obstacle) -> None:
         size, self.order = beam.size, beam.order
-        m, k, q = sum(s.multipliers for s in sites), sum(s.unknowns for s in sites), len(stations.points)
+        m, k, q = sum([s.modes for s in sites]), sum([s.unknowns for s in sites]), len(stations.points)
         self.layout: list[tuple[slice, int, int]] = []  # of each site: its queries, first row, first column
         self.sites, self.stations, self.obstacle = sites, stations, obstacle
         self.gap, self.normal, (self.a, self.b) = _surface(obstacle, sites, stations.points)
@@ -170,7 +170,7 @@ class System:
         for site, (span, _, column) in zip(self.sites, self.layout, strict=True):
             if site.on_face and site.kind == "tangent" and site.grip is None:
                 carried = carried.copy() if carried is self.load_slopes else carried
-                carried[:, column] -= dot(self.pull[span.start], self.stations.strained(span.start))
+                carried[:, column] -= (self.pull[span.start].conj() * self.stations.strained(span.start)).real
         return carried
 
     def linearisation(self, hessian: Array, queries: list[Array]) -> Linearisation:

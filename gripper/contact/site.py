@@ -102,21 +102,21 @@ class Site:
     @property
     def middle(self) -> float:
         """Its place, or the middle of its patch (0 of a corner)."""
-        return sum(self.place) / len(self.place) if self.place else 0.0
+        return (self.place[0] + self.place[-1]) / 2 if self.place else 0.0
 
     @property
-    def coordinates(self) -> Array:
+    def coordinates(self) -> tuple[float, ...]:
         """Values of its unknowns."""
-        ratio = () if self.grip is None or not self.grip.unknown else (self.grip.ratio,)
-        return np.array([*self.place[: self.unknown_places], *ratio])
+        places = self.place[: _UNKNOWN_PLACES[self.kind]]
+        return places if self.grip is None or not self.grip.unknown else (*places, self.grip.ratio)
 
     def moved(self, coordinates: Array) -> Site:
         """The same contact at other values of its unknowns."""
-        places = tuple(map(float, coordinates[: self.unknown_places]))
-        site = replace(self, place=(*places, self.place[1]) if self.kind == "tail" else places) if places else self
-        if self.grip is None or not self.grip.unknown:
-            return site
-        return replace(site, grip=replace(self.grip, ratio=float(coordinates[-1])))
+        values, count, grip = coordinates.tolist(), _UNKNOWN_PLACES[self.kind], self.grip
+        if grip is not None and grip.unknown:
+            grip = replace(grip, ratio=values[-1])
+        place = (*values[:count], *self.place[count:]) if count else self.place
+        return Site(self.kind, self.piece, place, self.vertex, self.modes, grip)
 
     def breaks(self) -> tuple[float, ...]:
         """Where the strains have kinks because of it."""

@@ -60,7 +60,7 @@ def stations(outline: Outline, axis: Axis, piece: Index, u: Array, segment: Inde
         by_strain.append(own.by_stretch)
         maps = rows.strains[[0, 1, 2, 5]]
     flexible = piece <= UPPER
-    if not flexible.all():  # what the strains at the section do is nothing to a rigid piece
+    if not np.logical_and.reduce(flexible):  # what the strains at the section do is nothing to a rigid piece
         along, bend, kappa, kappa1, *by_strain = (
             value * flexible for value in (along, bend, kappa, kappa1, *by_strain)
         )

@@ -18,7 +18,7 @@ from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting
 from gripper.statics.newton import settle
 from gripper.statics.rolling import strongest_alone
 from gripper.statics.snap import distance
-from gripper.statics.steps import alike, extrapolated, predicted
+from gripper.statics.steps import extrapolated, predicted
 
 _ROUND_OFF = 1e-13
 _HALVINGS = 4  # of a way along a branch
@@ -78,8 +78,8 @@ class Branch:
     def _guess(self, start: Along, parameter: float) -> State:
         """The state at a parameter: by the polynomial through those nearest to it; along the tangent where few are."""
         if len(self.known) > 1:
-            state = start.equilibrium.state
-            near = [(at.parameter, at.equilibrium) for at in self.known if alike(at.equilibrium.state, state)]
+            kinds = start.equilibrium.state.kinds
+            near = [(at.parameter, at.equilibrium) for at in self.known if at.equilibrium.state.kinds == kinds]
             near.sort(key=lambda at: abs(at[0] - parameter))
             guess = extrapolated(self.setting, near, parameter)
             if guess is not None:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from gripper.motion.branch import Along
 from gripper.statics.equilibrium import Setting, State
-from gripper.statics.steps import alike, extrapolated, predicted
+from gripper.statics.steps import extrapolated, predicted
 
 _FURTHEST = 3.0  # of the last step: the next one may be that much longer and still bend as it did
 _REMEMBERED = 6
@@ -27,7 +27,7 @@ class Trail:
 
     def step(self, old: Along, new: Along, *, changed: bool) -> None:
         """Take in a step, on which contacts changed or stayed as they are."""
-        same = not changed and alike(old.equilibrium.state, new.equilibrium.state)
+        same = not changed and old.equilibrium.state.kinds == new.equilibrium.state.kinds
         self._before = [old, *self._behind(old)][:_REMEMBERED] if same else []
 
     def forget(self) -> None:
@@ -59,5 +59,5 @@ class Trail:
 
     def _behind(self, now: Along) -> list[Along]:
         """What is remembered, if it has the contacts of where the motion is now."""
-        same = self._before and alike(self._before[0].equilibrium.state, now.equilibrium.state)
+        same = self._before and self._before[0].equilibrium.state.kinds == now.equilibrium.state.kinds
         return self._before if same else []

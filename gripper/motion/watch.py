@@ -20,7 +20,6 @@ from gripper.motion.climb import MARKS, Climber, Flank, Measure, Sample, Summit,
 from gripper.statics.balance import Balance, cubic
 from gripper.statics.contact_forces import drive
 from gripper.statics.equilibrium import NoEquilibriumError, Setting
-from gripper.statics.steps import alike
 
 _RIVALS = 3  # local maxima that are climbed
 _NEARLY = 0.9  # of the highest sample: lower ones are not climbed
@@ -195,7 +194,7 @@ class Watch:
     def _run(self, first: Sample, last: Sample, changed: bool) -> list[Sample]:
         """The samples with the contacts that a step has from end to end; none where they change."""
         run = self._last.run if self._last and self._last.last is first else []
-        if changed or not alike(first.at.equilibrium.state, last.at.equilibrium.state):
+        if changed or first.at.equilibrium.state.kinds != last.at.equilibrium.state.kinds:
             return []
         run = run or [first]
         run.append(last)

@@ -75,9 +75,17 @@ class Setting:
         """Where strains jump without contact: at the profile's kinks, and where loads act."""
         return self.sections.kinks if self.loads is None else (*self.sections.kinks, *self.loads.marks)
 
+    @functools.cached_property
+    def _marks(self) -> tuple[float, ...]:
+        """Where segments end whatever touches."""
+        return (0.0, 1.0, *self.sections.cuts, *self.kinks)
+
     def breaks(self, sites: tuple[Site, ...]) -> tuple[float, ...]:
         """Where segments end: at these contacts, at the profile's own cuts, and where loads act."""
-        marks = sorted({0.0, 1.0, *self.sections.cuts, *self.kinks}.union(*(site.breaks() for site in sites)))
+        marks = list(self._marks)
+        for site in sites:
+            marks += site.breaks()
+        marks.sort()
         breaks = [0.0]
         for mark in marks:
             if mark - breaks[-1] > _NARROWEST and (1.0 - mark > _NARROWEST or mark == 1.0):
@@ -126,7 +134,15 @@ class State:
     @property
     def places(self) -> Array:
         """The contacts' unknowns, one after the other."""
-        return np.concatenate([np.zeros(0), *(site.coordinates for site in self.sites)])
+        return np.array([value for site in self.sites for value in site.coordinates])
+
+    @functools.cached_property
+    def kinds(self) -> tuple[object, ...]:
+        """What states have in common that have the same contacts, held alike, and the same unknowns."""
+        sites = [
+            (s.kind, s.piece, s.vertex, s.modes, s.unknowns, s.grip and (s.grip.hold, s.grip.sense)) for s in self.sites
+        ]
+        return (self.z.size, *sites)
 
     @functools.cached_property
     def followed(self) -> Array:
@@ -135,24 +151,28 @@ class State:
 
     def moved(self, dz: Array, dmultipliers: Array, dplaces: Array) -> State:
         """The state after a step in all unknowns."""
-        sites = self.placed(self.places + dplaces).sites
-        return State(self.beam, self.z + dz, sites, self.multipliers + dmultipliers)
+        return State(self.beam, self.z + dz, self.placed(self.places + dplaces), self.multipliers + dmultipliers)
 
-    def placed(self, places: Array) -> State:
-        """The state with its contacts at other values of their unknowns."""
+    def placed(self, places: Array) -> tuple[Site, ...]:
+        """The contacts at other values of their unknowns."""
+        if len(self.sites) == 1:
+            return (self.sites[0].moved(places),)
         sites, first = [], 0
         for site in self.sites:
             last = first + site.unknowns
             sites.append(site.moved(places[first:last]))
             first = last
         grip = sites[0].grip if sites else None
-        return replace(self, sites=grip.law.shared(tuple(sites)) if grip else tied(tuple(sites)))
+        return grip.law.shared(tuple(sites)) if grip else tied(tuple(sites))
 
     @property
     def loads(self) -> list[Array]:
         """The multipliers of each contact."""
-        ends = itertools.accumulate(site.multipliers for site in self.sites)
-        return [self.multipliers[end - site.multipliers : end] for site, end in zip(self.sites, ends, strict=True)]
+        loads, first = [], 0
+        for site in self.sites:
+            loads.append(self.multipliers[first : first + site.multipliers])
+            first += site.multipliers
+        return loads
 
     def keeping(self, keep: Sequence[bool]) -> State:
         """The state with some of its contacts only."""
@@ -167,7 +187,7 @@ class State:
         beam, kept = self.beam.richer(_ENRICHED)
         z = np.zeros(beam.size)
         z[kept] = self.z
-        return replace(self, beam=beam, z=z), kept
+        return State(beam, z, self.sites, self.multipliers), kept
 
     def on(self, beam: Beam) -> State:
         """The strains nearest to these on other segments."""
@@ -216,7 +236,7 @@ class Equilibrium:
         push = self.linear.push
         return self.state.energy if push is None else self.state.energy + push.potential
 
-    @property
+    @functools.cached_property
     def force(self) -> complex:
         """Total contact force on the finger, x + iy."""
         return complex(sum(f.sum() for f in self.linear.forces))

@@ -36,15 +36,19 @@ _WILD = 1e3  # |z|: a finger rolled up hundreds of times
 
 def _shortening(state: State, dplaces: Array) -> float:
     """Factor on a step such that no place runs away and no patch turns inside out."""
-    factor, first = 1.0, 0
+    factor, first, each = 1.0, 0, dplaces.tolist()
     for site in state.sites:
-        steps = dplaces[first : first + site.unknown_places].tolist()
+        count = site.unknown_places
+        steps = each[first : first + count]
         first += site.unknowns
-        factor = min([factor, *(_FURTHEST / abs(step) for step in steps if abs(step) > _FURTHEST)])
-        if site.spreads and steps:
-            widening = (steps[1] if len(steps) > 1 else 0.0) - steps[0]
+        for step in steps:
+            if not -_FURTHEST <= factor * step <= _FURTHEST:
+                factor = _FURTHEST / abs(step)
+        if steps and site.spreads:
+            widening = (steps[1] if count > 1 else 0.0) - steps[0]
             least = -_SHRINKING * (site.place[1] - site.place[0])
-            factor = min(factor, least / widening if widening < least else 1.0)
+            if factor * widening < least:
+                factor = least / widening
     return factor
 
 
@@ -130,11 +134,10 @@ def _left(state: State, lin: Linearisation) -> float:
     """The most that is left of an equation: of the stationarity, of the contacts' and of their places', relative."""
     size = _size(state.z) + _NO_STRAIN
     left = _size(state.energy_gradient - lin.load(state.multipliers)) / size
-    for values, gradients in ((lin.values, lin.gradients), (lin.residuals, lin.residual_gradients)):
-        if values.size:
-            reach = np.sqrt(np.einsum("kn,kn->k", gradients, gradients)) + _NO_REACH
-            left = max(left, float(((np.abs(values) - _ROUND_OFF) / reach).max()) / size)
-    return left
+    rows = np.concatenate([lin.gradients, lin.residual_gradients])
+    reach = np.sqrt(np.einsum("kn,kn->k", rows, rows)) + _NO_REACH
+    off = (np.abs(np.concatenate([lin.values, lin.residuals])) - _ROUND_OFF) / (reach * size)
+    return float(off.max(initial=left))
 
 
 def _size(vector: Array) -> float:

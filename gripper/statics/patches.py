@@ -10,7 +10,7 @@ from gripper.beam.legendre import legendre
 from gripper.contact.obstacle import Obstacle
 from gripper.contact.outline import UPPER
 from gripper.contact.site import NARROW, WIDE, Site
-from gripper.statics.equilibrium import Equilibrium, Setting, State
+from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, State
 
 PATCH = 2e-5  # of L: narrower patches are points (the mean tangent's error falls with the square of the width)
 FLUSH = 2.0  # of sqrt(EI / GA): where a patch would be wider, the finger lies flush on a flat
@@ -75,8 +75,15 @@ def pressure_modes(setting: Setting, site: Site, *, flat: bool = False) -> tuple
     """How many pressure modes a patch needs, and how many it may keep: the pressure varies over sqrt(EI / GA)."""
     width = (site.place[1] - site.place[0]) / decay_length(setting, site.middle)
     widths = _FLAT_WIDTHS if flat else _WIDTHS
-    needed, enough = (next(modes for limit, modes in widths if width * slack < limit) for slack in (1.0, _LOOSE))
-    return needed, enough
+    return _modes(widths, width), _modes(widths, width * _LOOSE)
+
+
+def _modes(widths: tuple[tuple[float, int], ...], width: float) -> int:
+    """The modes of the first limit that a width stays below: the last one is infinite."""
+    for limit, modes in widths:
+        if width < limit:
+            return modes
+    raise NoEquilibriumError("a patch has no width")
 
 
 def lies_flat(setting: Setting, obstacle: Obstacle, state: State, site: Site) -> bool:

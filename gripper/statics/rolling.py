@@ -67,8 +67,10 @@ def rolled_ahead(setting: Setting, obstacle: Obstacle, state: State) -> State:
     """
     sites, loads, keep = list(state.sites), state.loads, [True] * len(state.sites)
     for i, site in enumerate(sites):
+        if site.kind != "vertex" or site.grip is not None:
+            continue
         group = neighbours(state.sites, i, NEAR)
-        if site.kind != "vertex" or site.grip is not None or i != max(group, key=lambda j: float(loads[j][0])):
+        if i != max(group, key=lambda j: float(loads[j][0])):
             continue
         lowest = _lowest(setting, obstacle, state.axis, site)
         still = len(group) > 1 and lowest is not None and any(sites[j].vertex == lowest.vertex for j in group)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -22,11 +21,16 @@ _EXACT = 1e-7  # of the shortest segment: breaks this near are the same
 
 def ends_at(beam: Beam, breaks: tuple[float, ...], tolerance: float) -> bool:
     """Whether the beam's segments end at these places (by L), as near as a tolerance of the forces asks."""
+    if breaks == beam.breaks:
+        return True
     if len(breaks) != len(beam.breaks):
         return False
     shortest = float(beam.lengths.min())
     near = max(min(_NEAR * tolerance, _NARROW * shortest), _EXACT * shortest)
-    return all(abs(a - b) < near for a, b in zip(breaks, beam.breaks, strict=True))
+    for wanted, there in zip(breaks, beam.breaks, strict=True):
+        if not -near < wanted - there < near:
+            return False
+    return True
 
 
 def advanced(setting: Setting, state: State, step: Step) -> State:
@@ -38,8 +42,7 @@ def advanced(setting: Setting, state: State, step: Step) -> State:
     breaks = setting.breaks(moved.sites)
     if len(breaks) != len(state.beam.breaks) or ends_at(state.beam, breaks, setting.tolerance):
         return moved
-    moves = np.array(breaks) - state.beam.breaks
-    carried = state.beam.convection(state.z, moves)
+    carried = state.beam.convection(state.fields, np.array(breaks) - state.beam.breaks)
     return _carried(setting, moved, breaks, state.beam.coefficients(moved.z) + carried)
 
 
@@ -48,7 +51,8 @@ def _carried(setting: Setting, state: State, breaks: tuple[float, ...], fields: 
     beam = state.beam
     if breaks != beam.breaks:
         beam = Beam(setting.sections, breaks, beam.order, setting.theory)
-    return replace(state, beam=beam, z=beam.unknowns(fields, state.beam.base_turn(state.z)))
+    z = beam.unknowns(fields, state.beam.base_turn(state.z))
+    return State(beam, z, state.sites, state.multipliers)
 
 
 def predicted(
@@ -109,45 +113,34 @@ def extrapolated(setting: Setting, trail: Sequence[tuple[float, Equilibrium]], p
     """
     if len(trail) < _FEWEST:
         return None
-    states = [equilibrium.state for _, equilibrium in trail[:_MOST]]
-    known = np.array([state.followed for state in states])
-    weights = _lagrange([at - parameter for at, _ in trail[:_MOST]])
-    guesses = weights @ known
-    apart = np.square(guesses[1:] - guesses[:-1]).sum(axis=1)
-    best = int(np.argmin(apart))
+    known = np.array([equilibrium.state.followed for _, equilibrium in trail[:_MOST]])
+    guesses = _lagrange([at - parameter for at, _ in trail[:_MOST]]) @ known
+    between = guesses[1:] - guesses[:-1]
+    apart = np.einsum("kn,kn->k", between, between)
+    best = int(apart.argmin())
     if not apart[best] < (_AGREE * _AGREE) * (known[0] @ known[0]):
         return None
-    now, guess = states[0], guesses[best + 1]
+    now, guess = trail[0][1].state, guesses[best + 1]
     count = now.fields.size
     middle = count + now.multipliers.size
-    moved = replace(now.placed(guess[middle:]), multipliers=guess[count:middle])
+    moved = State(now.beam, now.z, now.placed(guess[middle:]), guess[count:middle])
     breaks = setting.breaks(moved.sites)
     if len(breaks) != len(now.beam.breaks):
         return None
     return _carried(setting, moved, breaks, guess[:count].reshape(now.fields.shape))
 
 
-def alike(one: State, other: State) -> bool:
-    """Whether two states have the same contacts, held alike, and the same unknowns."""
-    if len(one.sites) != len(other.sites) or one.z.size != other.z.size:
-        return False
-    pairs = zip(one.sites, other.sites, strict=True)
-    return all(
-        (a.kind, a.piece, a.vertex, a.modes, a.unknowns) == (b.kind, b.piece, b.vertex, b.modes, b.unknowns)
-        and (a.grip and (a.grip.hold, a.grip.sense)) == (b.grip and (b.grip.hold, b.grip.sense))
-        for a, b in pairs
-    )
-
-
 def _lagrange(away: list[float]) -> Array:
     """Weights of the values at these abscissae in the polynomials' values at 0, through the first 3, 4, ... of them."""
-    x = np.array(away)
-    apart = x - x[:, None]
-    np.fill_diagonal(apart, 1.0)
-    factors = x / apart  # of node i by node j: x_j / (x_j - x_i)
-    np.fill_diagonal(factors, 1.0)
-    products: Array = np.tri(x.size) * np.cumprod(factors, axis=1).T
-    return products[2:]
+    weights = [1.0]
+    rows = [[1.0] + [0.0] * (len(away) - 1)]
+    for count, last in enumerate(away[1:], start=1):
+        weights.append(1.0)
+        for i, x in enumerate(away[:count]):
+            weights[i] *= last / (last - x)
+            weights[count] *= x / (x - last)
+        rows.append(weights + [0.0] * (len(away) - count - 1))
+    return np.array(rows[2:])
 
 
 @functools.lru_cache(maxsize=8)  # where a step ends the next one starts
@@ -155,11 +148,11 @@ def _flow(setting: Setting, equilibrium: Equilibrium) -> Array:
     """Rates of the fields' coefficients, the segments moving with the contacts: (fields, segments, p + 1)."""
     state, (dz, _, dplaces) = equilibrium.state, equilibrium.tangent()
     small = _SMALL / max(largest(dplaces), 1.0)
-    moved = setting.breaks(state.placed(state.places + small * dplaces).sites)
+    moved = setting.breaks(state.placed(state.places + small * dplaces))
     breaks = setting.breaks(state.sites)
     known = len(moved) == len(breaks) == len(state.beam.breaks)
     moves = np.subtract(moved, breaks) / small if known else np.zeros(len(state.beam.breaks))
-    return state.beam.coefficients(dz) + state.beam.convection(state.z, moves)
+    return state.beam.coefficients(dz) + state.beam.convection(state.fields, moves)
 
 
 def largest(values: Array) -> float:
