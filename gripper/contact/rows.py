@@ -12,7 +12,7 @@ from gripper.beam.strains import Beam
 from gripper.contact.linearisation import Linearisation
 from gripper.contact.obstacle import Obstacle
 from gripper.contact.outline import UPPER
-from gripper.contact.rates import rates
+from gripper.contact.rates import Passing
 from gripper.contact.site import Site, pressure_rule
 from gripper.contact.stations import Stations
 
@@ -48,7 +48,7 @@ class System:
         self.gap, self.normal, (self.a, self.b) = _surface(obstacle, sites, stations.points)
         tangents, back = stations.tangents, self.normal.conj()
         self.slope = (back * tangents).real  # dg/du
-        self.bent = self.curved(tangents)
+        self.bent = self._curved(tangents)
         bent = self.bent.conj()
         self.bending = (bent * tangents + back * stations.curvatures).real
         self.pressing = (back[:, None] * stations.gradients).real  # g_z, (q, n)
@@ -75,7 +75,7 @@ class System:
         """Where a patch is evaluated, on [-1, 1], and its pressure modes there."""
         return pressure_rule(site.modes, self.order)
 
-    def curved(self, vectors: Complex) -> Complex:
+    def _curved(self, vectors: Complex) -> Complex:
         """The object's Hessian times vectors."""
         return self.a * vectors + self.b * vectors.conj()
 
@@ -173,6 +173,25 @@ class System:
                 carried[:, column] -= (self.pull[span.start].conj() * self.stations.strained(span.start)).real
         return carried
 
+    def _passing(self) -> Passing:
+        """What the rates follow from."""
+        stations = self.stations
+        return Passing(
+            self.obstacle,
+            self.order,
+            self.sites,
+            self.layout,
+            stations.points,
+            stations.tangents,
+            stations.gradients,
+            self.normal,
+            (self.a, self.b),
+            self.weights if self.turns is None else self.weights * self.turns,
+            self.corners,
+            self.anchored,
+            [(span, self.weights[span][:, None] * levers) for span, levers in self.levers],
+        )
+
     def linearisation(self, hessian: Array, queries: list[Array]) -> Linearisation:
         """The finished arrays, with the contact forces point by point."""
         points, forces, places = [], [], []
@@ -192,7 +211,7 @@ class System:
             self.load_slopes,
             self._carried_slopes(),
             hessian,
-            functools.partial(rates, self),
+            self._passing().rates,
             self.force_gradient,
             self.force_multipliers,
             self.force_places,

@@ -18,7 +18,7 @@ from gripper.statics.patches import flushed
 from gripper.statics.steps import advanced, ends_at, largest
 
 _ITERATIONS = 20
-_CLOSE = 3e-4  # last step, relative: the next one, of second order, may be round-off
+_SQUARED = 3.0  # of what may be left: the square of the last step, which the next one is about, may be as large
 _LEFT = 5e-5  # of the tolerance: what may then be left of the equations, relative
 _LEAST_LEFT, _MOST_LEFT = 1e-10, 5e-9  # within these bounds
 _PRECISE = 1e-8  # tolerance of an equilibrium that is differentiated
@@ -78,11 +78,12 @@ def _newton(setting: Setting, obstacle: Obstacle, state: State, order: int, *, j
     last, way, held = np.inf, 0.0, False
     flush, settled = any(site.lifts_off for site in state.sites), _settled(setting)
     for iteration in range(_ITERATIONS):
+        close = last * last < _SQUARED * settled
         if iteration == 0 and not _fitted(setting, state, order):
             state = state.on(setting.beam(state.sites, order))
-        lin, enriched = _linear(setting, obstacle, state, enrich=judged and last < _CLOSE)
+        lin, enriched = _linear(setting, obstacle, state, enrich=judged and close)
         state = anchored(state, lin) if iteration == 0 else state
-        if last < _CLOSE and (last < settled or _left(state, lin) < settled):
+        if close and (last < settled or _left(state, lin) < settled):
             return Equilibrium(state, obstacle, lin, iteration, way, enriched)
         # flush on a flat: how the place of lift-off answers to steps shows only once the fields fit that place
         held = flush and not held and last > _FITS
