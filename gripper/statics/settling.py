@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from gripper.contact.linear import linearise
+from gripper.contact.linearisation import Linearisation
 from gripper.contact.obstacle import Obstacle
-from gripper.contact.rows import Linearisation
 from gripper.contact.site import Site
 from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, State
 from gripper.statics.lying import laid, laid_ahead
