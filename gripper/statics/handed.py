@@ -21,6 +21,7 @@ from gripper.statics.equilibrium import NoEquilibriumError, Setting, State
 from gripper.statics.settling import settle_contacts
 from gripper.statics.verified import Verified, verify
 
+_STRAIGHT = 1e-9  # curvature, by 1 / L
 _INSIDE = 0.5  # of an edge: no further from its corner is the place first looked for
 
 
@@ -71,8 +72,18 @@ def with_deepest(setting: Setting, obstacle: Obstacle, state: State, known: Surv
         raise NoEquilibriumError("no single place tells what touches")
     # beside a corner that has sunk in, too, a face rather bends until it lies on the object than stands on its corner
     piece, u = min(places, key=lambda place: outline.corner_at(*place) is not None)
+    if setting.theory != "bending" and _flat(setting, obstacle, state, piece, u):
+        raise NoEquilibriumError("a face comes to lie flush on a straight edge: its place does not tell how far")
     guess = replace(state, sites=(resolved(setting, Site("tangent", piece, (u,))),), multipliers=np.zeros(1))
     return verify(setting, settle_contacts(setting, obstacle, held(setting, obstacle, state, guess), order))
+
+
+def _flat(setting: Setting, obstacle: Obstacle, state: State, piece: int, u: float) -> bool:
+    """Whether the object is straight where a place of the outline lies in it."""
+    last = np.array([state.beam.segment_of(np.array([u]))[0] if piece <= UPPER else state.beam.segments - 1])
+    points, tangents, _ = setting.outline.trace(state.axis, np.array([piece]), np.array([u]), last)
+    _, _, (own, conjugate) = obstacle.curvature(points)
+    return bool(dot(tangents, own * tangents + conjugate * tangents.conj())[0] <= _STRAIGHT)
 
 
 def _handed(setting: Setting, obstacle: Obstacle, state: State, site: Site) -> Site:
