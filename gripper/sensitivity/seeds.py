@@ -81,7 +81,7 @@ class Seeds:
                 raise ValueError(f"{key} must {rule} (without friction there is no side to slip to); got none")
         self.scene, self.setting, self.keys = scene, setting, (*keys, *([MOTION] if scene.motion else []))
         self._memory = Memory(self)
-        self._solved: dict[int, Solved] = {}
+        self._solved: dict[Equilibrium, Solved] = {}
         self.kinematics = Kinematics(scene, setting.sections.length)
         finger = {self._inner(key): known[key] for key in keys if self._table(key) == "finger"}
         loading = {key: known[key] for key in keys if self._table(key) in ("finger", "loads")}
@@ -179,12 +179,12 @@ class Seeds:
         NoEquilibriumError, LinAlgError
             At a limit point.
         """
-        known = self._solved.get(id(equilibrium))
+        known = self._solved.get(equilibrium)
         if known is None:
             touching = Touching(self.setting, polished(self.setting, equilibrium), self.finger, self.loads)
             frames = self.frames(equilibrium.obstacle.frame.parameter)
             known = Solved(touching, frames, rates(touching, self.change(touching, frames)))
-            self._solved[id(equilibrium)] = known  # which keeps the equilibrium, and so its id
+            self._solved[equilibrium] = known
         return known
 
     def change(self, touching: Touching, frames: FrameRates) -> Change:
