@@ -19,7 +19,6 @@ import numpy as np
 from gripper.arrays import Array
 from gripper.contact.linear import linearise
 from gripper.contact.obstacle import Obstacle
-from gripper.contact.site import Site
 from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, State, solved
 from gripper.statics.steps import advanced, largest
 
@@ -27,7 +26,6 @@ _ROUNDS = 5  # four suffice; where they do not the equations are all but singula
 _CONVERGED = 1e-5  # last step, relative, the parameter's by the way: the next one, of second order, would be round-off
 _SETTLED = 1e-9  # what may then be left of the equations, relative
 _FURTHEST = 0.15  # of L: the most that a place moves in a step of Newton's method
-_AT_END = 1e-3  # of L: a patch that ends so near to the corner of its face should end there
 _NO_STRAIN = 1e-8  # |z| below which steps are judged by their own size
 
 
@@ -65,7 +63,7 @@ def pinned(
         Where Newton's method does not find it between them.
     """
     at, now = start
-    if any(site.lifts_off or _redundant(setting, now.state, site) for site in now.state.sites):
+    if any(site.lifts_off for site in now.state.sites):
         raise NoEquilibriumError("places that answer to steps unevenly")
     size, last, expected, way = float(np.linalg.norm(now.state.z)) + _NO_STRAIN, math.inf, 0.0, 0.0
     low, high = min(ends), max(ends)
@@ -85,14 +83,6 @@ def pinned(
         expected, way = (expected, way + length) if rounds else (length, 0.0)
         last = max(length / size, largest(step[state.z.size + state.multipliers.size :]), abs(change) / (high - low))
     raise NoEquilibriumError("no place between the ends is found where it is so")
-
-
-def _redundant(setting: Setting, state: State, site: Site) -> bool:
-    """Whether a patch ends where the corner of its face carries, too: the two ask for nearly the same."""
-    if site.kind != "patch" or site.place[1] < 1 - _AT_END:
-        return False
-    corner = setting.outline.tip_corner(site.piece)
-    return any(other.piece == corner for other in state.sites)
 
 
 def _left(at: Equilibrium) -> Array:

@@ -11,15 +11,16 @@ from scipy.linalg.lapack import dgeqrf, dormqr, dsyevr
 from gripper.arrays import Array
 from gripper.beam.legendre import legendre
 from gripper.contact.linear import linearise
-from gripper.contact.site import NARROW
+from gripper.contact.site import NARROW, Site
 from gripper.statics.certificate import Survey, survey
-from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting
+from gripper.statics.equilibrium import Equilibrium, NoEquilibriumError, Setting, State
 from gripper.statics.nearby import least_gaps
 from gripper.statics.newton import firmness
 
 _RIPPLE = 3e-2  # of the largest pressure: what a polynomial may leave where the pressure has decayed
 _GRAZING = 1e-12  # of L: a gap's round-off
 _FLAT = 1e-4  # curvature of the gap, times L: below it a tangent's place is held by the next order
+_AT_END = 1e-3  # of L: a patch that ends so near to the corner of its face should end there
 _AT_KINK = 1e-6  # of L: how far a fixed place may be from where the gap is least
 _LEVEL = 1e-5  # slope of the gap where finger and object conform
 NOTHING = 1e-13  # over EI / L^2: the round-off of no force
@@ -57,7 +58,17 @@ def objection(setting: Setting, equilibrium: Equilibrium) -> str | None:
             return "a contact would have to pull"
         if site.place and not 0 <= site.place[0] <= site.place[-1] <= setting.outline.pieces[site.piece].length:
             return "a contact has left its face or edge"
+        if _doubled(setting, state, site):
+            return "a patch ends beside the corner of its face that carries, not in it"
     return None
+
+
+def _doubled(setting: Setting, state: State, site: Site) -> bool:
+    """Whether a patch ends beside a corner that carries, too: the two ask for nearly the same."""
+    if site.kind != "patch" or site.place[1] < 1 - _AT_END:
+        return False
+    corner = setting.outline.tip_corner(site.piece)
+    return any(other.piece == corner for other in state.sites)
 
 
 @functools.cache
