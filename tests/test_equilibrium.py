@@ -76,12 +76,12 @@ def known(name: str) -> tuple[Setting, Equilibrium]:
 
 
 @names
-def test_an_equilibrium_satisfies_its_equations_to_round_off(name: str) -> None:
+def test_an_equilibrium_that_is_to_be_differentiated_satisfies_its_equations_to_1e_10(name: str) -> None:
     setting, found = known(name)
     equilibrium = polished(setting, found)  # a pose is settled as far as its tolerance asks
     OUTLINES[id(equilibrium)] = setting
     left, _ = residual(equilibrium, equilibrium.state)
-    assert np.abs(left).max() < 1e-11
+    assert np.abs(left).max() < 1e-10 * np.linalg.norm(equilibrium.state.z)
 
 
 @names

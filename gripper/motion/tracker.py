@@ -36,7 +36,7 @@ from gripper.statics.verified import Verified, stability, untouched, verify
 _INDIVISIBLE = 5e-6  # of L: events nearer than this are one
 _PATIENCE = 30  # steps that may fail on the way to a pose, or to a snap
 _SETTLING = 20  # evaluations of the gaps in a step that fails
-_EFFORT = 4000  # evaluations of the gaps that may be in vain on the way to a pose
+_EFFORT = 5000  # evaluations of the gaps that may be in vain on the way to a pose
 _SNAPS = 3
 _HIGHEST_ORDER = 14
 
