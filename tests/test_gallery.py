@@ -38,6 +38,7 @@ OTHERS = (
     "optimal_hook",
     "constant_force",
     "designs_needed",
+    "sensitivity_cost",
     "variants",
 )
 SCRIPTS = [
