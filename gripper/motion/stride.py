@@ -26,6 +26,7 @@ _LONGEST = 0.1  # of L
 _SHALLOW = 0.02  # of L: how deep a sharp corner may sink before the first contact is looked for
 _SMALLER = 0.05  # of the object's inner radius: the same for one that is smaller still
 _ALONG = np.linspace(0.0, 1.0, 33)
+_ROUGHLY = 0.1  # of a step: how well the way to the object is known
 _PARTS = 2  # in which a step's path is measured
 
 
@@ -82,7 +83,8 @@ class Stride:
         room, travel = min(bound, self._safe(state.sites)), self.travel(start, target, state)
         if travel > room and not state.sites and bound > room:
             proved = max(current.survey.least, 0.0)  # a lower bound that is there already
-            clear = proved if room + proved >= travel else clearance(self.setting, current)
+            slack = _ROUGHLY * room
+            clear = proved if room + proved >= travel else clearance(self.setting, current, slack) - slack
             room = min(bound, room + max(clear, 0.0))
         if travel <= room:
             return target

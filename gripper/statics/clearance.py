@@ -25,18 +25,18 @@ _ARRIVED = (
     1e-4  # last step, relative: what is left of a foot's way is its square, and of the distance the square of that
 )
 _NEARER = 40  # steps to the least distance between two samples: three do where finger and object are smooth
-_SETTLED = 1e-10  # of L: what the last of them would still gain
+_SETTLED = 1e-10  # of L: what the last of them would still gain, where nothing else is asked
 _STILL = Frame(0j, 0.0, 0j, 0.0)
 _AT_ONCE = 64  # poses: some megabytes
 _WIDER = 2.0  # g / |grad g| may be off a distance by this much: samples within it are looked at
 
 
-def clearance(setting: Setting, verified: Verified) -> float:
-    """Smallest distance of outline and object, by L; negative: depth."""
-    return clearances(setting, [verified])[0]
+def clearance(setting: Setting, verified: Verified, settled: float = _SETTLED) -> float:
+    """Smallest distance of outline and object, by L; negative: depth. Where it is positive, it may be off by that."""
+    return clearances(setting, [verified], settled)[0]
 
 
-def clearances(setting: Setting, poses: Sequence[Verified]) -> list[float]:
+def clearances(setting: Setting, poses: Sequence[Verified], settled: float = _SETTLED) -> list[float]:
     """Those of several poses of one motion, by L: where the finger stays as it is, all are found in one go."""
     found, apart = [0.0] * len(poses), dict[int, list[int]]()
     for i, verified in enumerate(poses):
@@ -50,7 +50,7 @@ def clearances(setting: Setting, poses: Sequence[Verified]) -> list[float]:
     for alike in apart.values():
         for first in range(0, len(alike), _AT_ONCE):
             some = alike[first : first + _AT_ONCE]
-            for i, distance in zip(some, _distances(setting, [poses[i] for i in some]).tolist(), strict=True):
+            for i, distance in zip(some, _distances(setting, [poses[i] for i in some], settled).tolist(), strict=True):
                 found[i] = distance
     return found
 
@@ -162,7 +162,7 @@ class _Views:
         return (points - self.origins) * self.turns
 
 
-def _distances(setting: Setting, poses: Sequence[Verified]) -> Array:
+def _distances(setting: Setting, poses: Sequence[Verified], settled: float) -> Array:
     """The least distances of one deflected finger, which touches nothing, at several poses of the object, (m,).
 
     They are least over the sampled outline, and between samples where they may be less.
@@ -192,7 +192,7 @@ def _distances(setting: Setting, poses: Sequence[Verified]) -> Array:
     stretches = _Stretches(seen.pieces.take(close[turning]), views.take(pose))
     bent = (tangents[last] - tangents[first]) / spacing[turning]
     ends = slopes[first], slopes[last]
-    np.minimum.at(least, pose, _between(setting, state, stretches, ends, feet.places[start], bent))
+    np.minimum.at(least, pose, _between(setting, state, stretches, ends, feet.places[start], bent, settled))
     return least
 
 
@@ -210,7 +210,13 @@ class _Stretches:
 
 
 def _between(
-    setting: Setting, state: State, stretches: _Stretches, ends: tuple[Array, Array], foot: Complex, bent: Complex
+    setting: Setting,
+    state: State,
+    stretches: _Stretches,
+    ends: tuple[Array, Array],
+    foot: Complex,
+    bent: Complex,
+    settled: float,
 ) -> Array:
     """The least distances on stretches of outline where they have a minimum, (k,): Newton's method, kept within.
 
@@ -226,6 +232,8 @@ def _between(
         On the object, near the feet, (k,).
     bent
         The outline's second derivatives there, roughly, (k,).
+    settled
+        By L: what the last step would still gain.
     """
     still = setting.obstacle(_STILL)
     low, high, (falls, rises) = stretches.pieces.u0, stretches.pieces.u1, ends
@@ -243,7 +251,7 @@ def _between(
         # along a polygon the slope goes by steps: a secant, and the middle in turns
         between = low + (high - low) * (falls / (falls - rises) if step % 2 == 0 else 0.5)
         moved = np.where((rise > 0) & (moved > low) & (moved < high), moved, between)
-        if (np.abs(slope * (moved - u)) < _SETTLED).all():
+        if (np.abs(slope * (moved - u)) < settled).all():
             break
         u = moved
     return least
