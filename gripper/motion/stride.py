@@ -26,7 +26,7 @@ _LONGEST = 0.1  # of L
 _SHALLOW = 0.02  # of L: how deep a sharp corner may sink before the first contact is looked for
 _SMALLER = 0.05  # of the object's inner radius: the same for one that is smaller still
 _ALONG = np.linspace(0.0, 1.0, 33)
-_ROUGHLY = 0.1  # of a step: how well the way to the object is known
+_ROUGHLY = 0.02  # of a step: how well the way to the object is known
 _PARTS = 2  # in which a step's path is measured
 
 
