@@ -111,10 +111,11 @@ def extrapolated(setting: Setting, trail: Sequence[tuple[float, Equilibrium]], p
     State | None
         None where they are too few, or do not agree.
     """
-    if len(trail) < _FEWEST:
+    away = [at - parameter for at, _ in trail[:_MOST]]
+    if len(trail) < _FEWEST or len(set(away)) < len(away):  # two at one place: no polynomial passes through them
         return None
     known = np.array([equilibrium.state.followed for _, equilibrium in trail[:_MOST]])
-    guesses = _lagrange([at - parameter for at, _ in trail[:_MOST]]) @ known
+    guesses = _lagrange(away) @ known
     between = guesses[1:] - guesses[:-1]
     apart = np.einsum("kn,kn->k", between, between)
     best = int(apart.argmin())
